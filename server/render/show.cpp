@@ -66,6 +66,11 @@ Detail detailOf(const ViewGroup& group, const gpu::View& view, bool spheres, dou
 // Methods that draw every particle within its whole support cover pixels with spheres.
 bool coversWithSpheres(const std::string& method) { return method == "sphere" || method == "tiles"; }
 
+// True: the legend says that there is nothing to draw. `shadow` still shows its map, which is empty then.
+bool hasNothing(LegendOf legend) {
+    return legend == LegendOf::no_rays || legend == LegendOf::no_gaussians || legend == LegendOf::no_sun_light;
+}
+
 // False: all of a tetrahedron has the extinction of its centre.
 bool fades(const RenderSettings& settings) { return settings.method != "isv" || settings.isv.fading; }
 
@@ -164,7 +169,7 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
         const uint32_t side = squaresOf(show) * detail.step;
         uint32_t items = gpu::groups(in.medium->count, detail.every);
         if (show == gpu::kShowError) items = eye->discs;
-        if (legend == LegendOf::no_rays || legend == LegendOf::no_gaussians) items = 0;
+        if (hasNothing(legend)) items = 0;
         const gpu::ShowPush push{.items = items,
                                  .every = detail.every,
                                  .step = detail.step,

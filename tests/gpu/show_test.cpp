@@ -136,6 +136,16 @@ TEST_F(ShowTest, WithoutASunItsViewsSaySo) {
                 EXPECT_LT(found, ink / 2) << show;
             else
                 EXPECT_EQ(found, ink) << show;
+            if (show != gpu::kShowLight) continue;
+            const Shown picture = see(scene, gpu::kShowPicture);
+            size_t discs = 0;
+            eachPixel([&](uint32_t x, uint32_t y, glm::dvec3) {
+                discs += apart(shown.at(x, y), 0.35 * glm::dvec3(picture.at(x, y))) > kLevels;
+            });
+            if (sun)
+                EXPECT_GT(discs, 300u);
+            else
+                EXPECT_EQ(discs, 0u) << "a colour of a sun that is not there";
         }
     }
 }
