@@ -113,6 +113,24 @@ def hello_only(url):
             time.sleep(0.2)
 
 
+def settings(url):
+    """An operator's program that changes everything in turn: other methods, light that scatters otherwise, other extinction."""
+    import brume
+    changes = [{'render.method': 'sphere'}, {'render.scattering': 'propagation'}, {'render.method': 'auto'}, {'medium.extinction': 9},
+               {'render.scattering': 'single'}, {'medium.extinction': 6}, {'sun.to_light': (0.3, 0.8, 0.4)}, {'render.error': 0.02}]
+    with brume.connect(url, size=(64, 36)) as view:
+        while True:
+            for change in changes:
+                with contextlib.suppress(brume.BrumeError):
+                    view._link.order([brume.messages.change(change)], 5)  # faster than set(), which waits for the state
+                time.sleep(0.05)
+
+
+def spin():
+    while True:
+        pass
+
+
 # Name, who, how many of them, and the parts of the device that they may have beside the viewer's one: snapshots of one
 # address have one together, and who only says hello has none.
 CASES = [
@@ -124,6 +142,7 @@ CASES = [
     ('two that jump into the medium and out', [(jumper, 2)], 2),
     ('hellos alone', [(hello_only, 1)], 0),
     ('four pictures of 1920x1080', [(giant, 4)], 4),
+    ('one who changes settings twenty times a second', [(settings, 1)], 0),
     ('two who churn, two loops of snapshots, two of 1920x1080', [(churn, 2), (snapshots, 2), (giant, 2)], 5),
 ]
 
@@ -135,8 +154,8 @@ def memory(server):
 
 
 @contextlib.contextmanager
-def running(others, url):
-    started = [multiprocessing.Process(target=what, args=(url,), daemon=True) for what, count in others for _ in range(count)]
+def running(others, *arguments):
+    started = [multiprocessing.Process(target=what, args=arguments, daemon=True) for what, count in others for _ in range(count)]
     try:
         for one in started:
             one.start()
@@ -157,7 +176,7 @@ def measure(name, others, parts, options):
     try:
         url, window, rest = f'http://127.0.0.1:{server.port}', options.seconds, options.memory_rest
         begin = time.monotonic() + 2 + 2 * SETTLE + REST + rest  # s
-        with multiprocessing.Pool(1) as pool:
+        with multiprocessing.Pool(1) as pool, running([(spin, options.busy)]):
             watching = pool.apply_async(watch, (url, begin, 3 * window + SETTLE + REST + rest))
             time.sleep(2)
             with running(others, url):
@@ -192,6 +211,7 @@ def main():
     about.add_argument('--seconds', type=float, default=10, help='of each measurement')
     about.add_argument('--frame-budget', type=float, default=50, help='ms, of the server')
     about.add_argument('--memory-rest', type=float, help='s until memory is compared, 0: it is not; 60 where all cases are run')
+    about.add_argument('--busy', type=int, default=0, help='processes that take a core each beside all this, from the start to the end')
     about.add_argument('--only', help='cases whose name has this in it')
     options = about.parse_args()
     if options.memory_rest is None:
@@ -202,7 +222,7 @@ def main():
     text = '\n'.join([
         '# Who takes what is another\'s', '',
         'One viewer of 640x360 watches a scene that moves; then others come, go on, and go. Made by `./dev fairness`.', '',
-        f'Scene `{options.scene}`; {began}. Everything runs on this machine:',
+        f'Scene `{options.scene}`; {began}; {options.busy} processes take a core each besides. Everything runs on this machine:',
         'the others\' programs take their part of its cores, too. *Share*: frames during, over what the viewer had before,',
         'divided by the parts that the device is shared in: one for each that watches, one for all snapshots of an',
         'address. The four streams have one camera, so they are drawn once. At least 0.8 is promised. *p95/mean*: of the',
