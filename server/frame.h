@@ -111,7 +111,7 @@ private:
     void encode(Batch& batch);
     void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
     void tellLoad(Clock::time_point now);
-    void priceLights();
+    void priceLists();
     void report(Clock::time_point now);
 
     const gpu::Device& device_;
@@ -158,7 +158,7 @@ private:
     std::vector<ViewError> errors_;            // what meter_ knew at load_told_
     PromiseWatch promise_;
     std::optional<uint64_t> priced_; // Simulation::listsHash() for which lights were priced; nothing: none was
-    double light_ms_ = 0;            // time that a picture may take with all lights; 0: not known yet
+    double list_ms_ = 0;             // time that a picture may take with all lists; 0: not known yet
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;          // largest predicted time of a batch with all due viewers, since load_told_
     bool replan_ = false;              // True: a command came since the last frame

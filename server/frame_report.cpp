@@ -4,7 +4,7 @@
 #include "server/frame.h"
 #include "server/gpu/pipeline_cache.h"
 #include "server/loop/scene_report.h"
-#include "server/plan/light_prices.h"
+#include "server/plan/list_prices.h"
 
 namespace brume {
 
@@ -37,7 +37,7 @@ void FrameLoop::tellLoad(Clock::time_point now) {
                            batch_planner_.activeViewers(), planner_->exhausted()});
     viewers_.clear();
     audience_.setRoom(uint32_t(std::clamp(batch_planner_.roomFor(kLeastPixels, most_frame_ms_), 1.0, 1e9)));
-    priceLights();
+    priceLists();
     metrics_.budget(most_full_ms_ / frame_ms_);
     audience_.budget_used = float(most_full_ms_ / frame_ms_);
     most_full_ms_ = on_device_ ? batch_planner_.fullBatchMs() : 0; // of the batch that goes on
@@ -45,18 +45,18 @@ void FrameLoop::tellLoad(Clock::time_point now) {
 
 // A picture of the scene's own view may take four times --most-frame-time, since pictures get smaller then, or half as
 // long again as one of a dear scene did before anybody added a light.
-void FrameLoop::priceLights() {
+void FrameLoop::priceLists() {
     const bool known = priced_ == simulation_.listsHash() && !audience_.commands().isPricedOut();
     if (planner_->plan().passes.empty() || known) return;
     constexpr double kDearer = 1.5, kSmaller = 4;
     priced_ = simulation_.listsHash();
     const PlanScene scene = planScene(scene_, simulation_);
     const auto prices = [&](double most) {
-        return lightPrices(scene, planner_->plan().chosen.settings, ownView(scene_), planner_->costs().model(), most);
+        return listPrices(scene, planner_->plan().chosen.settings, ownView(scene_), planner_->costs().model(), most);
     };
     constexpr double kAll = 1e12;
-    if (light_ms_ == 0) light_ms_ = std::max(kSmaller * most_frame_ms_, kDearer * (kAll - prices(kAll).left));
-    audience_.commands().price(prices(light_ms_));
+    if (list_ms_ == 0) list_ms_ = std::max(kSmaller * most_frame_ms_, kDearer * (kAll - prices(kAll).left));
+    audience_.commands().price(prices(list_ms_));
 }
 
 void FrameLoop::report(Clock::time_point now) {

@@ -158,7 +158,7 @@ void FrameLoop::takeScene() {
     ways_.clear(drawn_);
     planner_.emplace(scene_, costs_, frame_ms_, &ways_);
     priced_.reset();
-    light_ms_ = 0;
+    list_ms_ = 0;
     ++scene_version_;
     replan_ = true;
     audience_.setScene(std::move(facts));

@@ -22,11 +22,23 @@ std::vector<gpu::Opaque> opaqueObjects(const Scene& scene) {
     std::vector<gpu::Opaque> objects;
     for (const Plane& p : scene.planes)
         objects.push_back({{0, p.height, 0}, gpu::kPlane, {p.structure, p.structure_size, 0}, 1, p.albedo, 0});
-    for (const Box& b : scene.boxes)
-        objects.push_back({b.centre, gpu::kBox, b.size * 0.5f, std::cos(b.yaw), b.albedo, std::sin(b.yaw)});
-    for (const Sphere& s : scene.spheres)
-        objects.push_back({s.centre, gpu::kSphere, glm::vec3(s.radius), 1, s.albedo, 0});
+    for (const Box& box : scene.boxes) objects.push_back(opaqueOf(box));
+    for (const Sphere& sphere : scene.spheres) objects.push_back(opaqueOf(sphere));
     return objects;
+}
+
+gpu::Opaque opaqueOf(const Box& box) {
+    return {box.centre, gpu::kBox, box.size * 0.5f, std::cos(box.yaw), box.albedo, std::sin(box.yaw)};
+}
+
+gpu::Opaque opaqueOf(const Sphere& sphere) {
+    return {sphere.centre, gpu::kSphere, glm::vec3(sphere.radius), 1, sphere.albedo, 0};
+}
+
+float meanRadius(const gpu::Opaque& body) {
+    const glm::vec3 h = body.half_size;
+    if (body.kind == gpu::kSphere) return h.x;
+    return std::sqrt(2 * (h.x * h.y + h.y * h.z + h.z * h.x) / float(M_PI));
 }
 
 gpu::ObjectNode objectNode(const BoundingNode& node) {

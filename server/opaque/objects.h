@@ -16,6 +16,12 @@ std::vector<gpu::Opaque> opaqueObjects(const Scene& scene);
 // The same with the objects of the lists in place of those that the scene begins with.
 std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
 
+gpu::Opaque opaqueOf(const Box& box);
+gpu::Opaque opaqueOf(const Sphere& sphere);
+// Radius of the ball whose outline has the mean area of a box's or a sphere's, m: a convex body's outline has a quarter
+// of its surface, on the mean over all directions (Cauchy).
+float meanRadius(const gpu::Opaque& body);
+
 // A node of a tree, with its item as object. Its box is rounded outward.
 gpu::ObjectNode objectNode(const BoundingNode& node);
 

@@ -33,7 +33,7 @@ inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local li
 // Hues x channels x cells x iterations of all grids, with scattering = "propagation".
 inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
 inline constexpr CostInfo kGlass{"glass", "glass", 12};                // pixels x (1 + layers) x (1 + sheets)
-inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + casters)
+inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + ViewWork::shadowsMet())
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs
 

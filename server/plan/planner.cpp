@@ -24,6 +24,7 @@ constexpr double kFar = 2;
 // A medium that rests is counted as one that moves once a second: what is done once is cheap, not free.
 constexpr double kRenewedAtRest = 1.0 / 60;
 constexpr size_t kSample = 256; // particles: an estimate of the work to about a tenth
+constexpr size_t kCasters = 64; // boxes and spheres, likewise
 
 // Of what the passes read that run once per tick.
 uint64_t stateOf(std::span<const gpu::Particle> particles, const gpu::Tick& tick) {
@@ -33,6 +34,14 @@ uint64_t stateOf(std::span<const gpu::Particle> particles, const gpu::Tick& tick
     const float others[] = {tick.sun.to_light.x, tick.sun.to_light.y, tick.sun.to_light.z, tick.falloff};
     state.add(others);
     return state.value();
+}
+
+void addCasters(std::span<const gpu::Opaque> bodies, PlanScene& out) {
+    if (!out.features.casters || bodies.empty()) return;
+    const size_t stride = (bodies.size() + kCasters - 1) / kCasters;
+    for (size_t i = 0; i < bodies.size(); i += stride)
+        out.caster_balls.push_back({bodies[i].centre, meanRadius(bodies[i])});
+    out.caster_weight = double(bodies.size()) / double(out.caster_balls.size());
 }
 
 } // namespace
@@ -57,6 +66,8 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.glasses = scene.glasses;
     out.tick = makeTick(scene, now, particles, objects);
     out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
+    addCasters(std::span(objects).subspan(out.tick.plane_count), out);
+    out.triangles = std::min(triangles, kMostCounted);
     out.state = stateOf(particles, out.tick);
     out.hues = uint32_t(huesOf(now, simulation.liveCount()).size());
     out.particles = uint32_t(particles.size());

@@ -33,6 +33,22 @@ double pixelOf(const Frustum& frustum, uint32_t height) {
     return (double(frustum.up) + double(frustum.down)) / double(height);
 }
 
+// True: the ray eye + z ray meets the ball's shadow, a cylinder behind it, between the view depths of `range`.
+bool meetsShadow(const PlanScene::Ball& ball, glm::dvec3 to_light, glm::dvec3 eye, glm::dvec3 ray, Depths range) {
+    const glm::dvec3 from = eye - glm::dvec3(ball.centre);
+    const double height = glm::dot(from, to_light), climb = glm::dot(ray, to_light);
+    const glm::dvec3 across = from - height * to_light, over = ray - climb * to_light;
+    const double a = glm::dot(over, over), b = glm::dot(across, over), r = double(ball.radius);
+    const double square = b * b - a * (glm::dot(across, across) - r * r);
+    if (square < 0 || a < 1e-12) return false;
+    range.near = std::max(range.near, (-b - std::sqrt(square)) / a);
+    range.far = std::min(range.far, (std::sqrt(square) - b) / a);
+    // Behind: height + z climb <= 0.
+    if (climb > 0) range.far = std::min(range.far, -height / climb);
+    if (climb < 0) range.near = std::max(range.near, -height / climb);
+    return range.near < range.far && (climb != 0 || height <= 0);
+}
+
 } // namespace
 
 double PlanScene::support(const gpu::Particle& p) const {
@@ -199,6 +215,24 @@ double ViewWork::localPieces(const RenderSettings& settings) const {
     const bool particles = scene_.particles > 0;
     const bool coarse = pixelStep(settings.shading, settings.rate, particles) > 1;
     return lit_pixels_ * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
+}
+
+double ViewWork::shadowsMet() const {
+    constexpr int kAcross = 8; // rays along each side of the picture
+    if (scene_.caster_balls.empty()) return scene_.triangles;
+    const Frustum frustum = frustumOf(view_.pose, width_, height_);
+    const glm::dmat3 axes(glm::mat3_cast(view_.pose.orientation));
+    const glm::dvec3 light(scene_.tick.sun.to_light), eye(view_.pose.position);
+    const Depths medium = scene_.features.fog ? Depths{0, HUGE_VAL} : Depths{near_, far_};
+    double met = 0;
+    for (int i = 0; i < kAcross * kAcross; ++i) {
+        const glm::dvec2 part = (glm::dvec2(i % kAcross, i / kAcross) + 0.5) / double(kAcross);
+        const glm::dvec3 ray = axes * glm::dvec3(glm::mix(-double(frustum.left), double(frustum.right), part.x),
+                                                 glm::mix(double(frustum.up), -double(frustum.down), part.y), -1);
+        for (const PlanScene::Ball& ball : scene_.caster_balls)
+            met += meetsShadow(ball, light, eye, ray, medium) ? 1 : 0;
+    }
+    return met * scene_.caster_weight / (kAcross * kAcross) + scene_.triangles;
 }
 
 double ViewWork::fragments(double part_of_box) const {

@@ -35,8 +35,16 @@ inline constexpr uint32_t kMostCounted = 12;
 struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
-    double lobe_width = 1;                     // rad, PhaseLobes::width()
-    uint32_t objects = 0, casters = 0;         // those that a pixel may meet, by and large: kMostCounted at most
+    double lobe_width = 1;             // rad, PhaseLobes::width()
+    uint32_t objects = 0, casters = 0; // those that a pixel may meet, by and large: kMostCounted at most
+    // Boxes and spheres as balls with the same mean outline, evenly chosen; each stands for caster_weight of them.
+    struct Ball {
+        glm::vec3 centre{0};
+        float radius = 0; // m
+    };
+    std::vector<Ball> caster_balls;
+    double caster_weight = 1;
+    uint32_t triangles = 0;                    // of meshes that cast shadows: kMostCounted at most
     std::vector<gpu::LocalLight> local_lights; // points and spots
     std::vector<Glass> glasses;                // sheets of glass
     gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume
@@ -116,6 +124,8 @@ public:
     const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
     // Pixels in the ranges of points and spots, one for every light that reaches it.
     double litPixels() const { return lit_pixels_; }
+    // Shadows of objects that a pixel's ray meets in the medium, on the mean.
+    double shadowsMet() const;
     // The pieces that these pixels' rays are cut into: at cones and fogs, and at the slabs of particles.
     double localPieces(const RenderSettings& settings) const;
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.

@@ -55,9 +55,10 @@ struct Command {
 };
 
 // Predicted for one picture, in ms.
-struct LightPrices {
-    double left = std::numeric_limits<double>::infinity(); // time for more lights
-    double plain = 0, shadowed = 0;                        // that one more takes without shadows; with
+struct ListPrices {
+    double left = std::numeric_limits<double>::infinity(); // time for more elements
+    double light = 0, shadowed_light = 0;                  // that one more takes without shadows; with
+    double plane = 0, body = 0;                            // that one more takes; a body is a box or a sphere
 };
 
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
@@ -71,8 +72,8 @@ public:
     explicit CommandQueue(size_t capacity = 4096) : capacity_(capacity) { pending_.reserve(capacity); }
     // False if the queue is full, if the command is an impulse and kMostImpulses wait already, or if rows of particles
     // would exceed kMostRowBytes.
-    // False, too, while the queue is closed, and if the command adds more light than there is time for: until price()
-    // is called again, each takes its part of it.
+    // False, too, while the queue is closed, and if the command adds more lights or objects than there is time for:
+    // until price() is called again, each takes its part of it.
     [[nodiscard]] bool push(Command command) {
         const bool impulse = std::holds_alternative<Impulse>(command.body);
         const auto* particles = std::get_if<SetParticles>(&command.body);
@@ -102,8 +103,8 @@ public:
         const std::scoped_lock lock(mutex_);
         return closed_;
     }
-    // What lights cost from now on, and how much time is left for them.
-    void price(const LightPrices& prices) {
+    // What lights and objects cost from now on, and how much time is left for them.
+    void price(const ListPrices& prices) {
         const std::scoped_lock lock(mutex_);
         prices_ = prices;
         priced_out_ = false;
@@ -133,28 +134,31 @@ public:
     }
 
 private:
-    // Of the lights that it adds, and of the shadows that it gives to others.
+    // Of what it adds, and of the shadows that it gives to lights.
     double priceOf(const CommandBody& body) const {
         const auto shadows = [](const Change& change) -> std::optional<bool> {
             if (change.setting->path != "light.shadows") return {};
             return std::get<bool>(change.value);
         };
-        if (const auto* added = std::get_if<Add>(&body); added && added->list == SceneList::lights) {
+        if (const auto* added = std::get_if<Add>(&body)) {
+            if (added->list == SceneList::fogs) return 0; // there are few
+            if (added->list == SceneList::planes) return prices_.plane;
+            if (added->list != SceneList::lights) return prices_.body;
             bool has = true;
             for (const Change& change : added->changes) has = shadows(change).value_or(has);
-            return has ? prices_.shadowed : prices_.plain;
+            return has ? prices_.shadowed_light : prices_.light;
         }
         double price = 0;
         if (const auto* set = std::get_if<Set>(&body))
             for (const Change& change : set->changes)
-                if (shadows(change).value_or(false)) price += std::max(prices_.shadowed - prices_.plain, 0.0);
+                if (shadows(change).value_or(false)) price += std::max(prices_.shadowed_light - prices_.light, 0.0);
         return price;
     }
 
     mutable std::mutex mutex_;
     std::function<void()> wake_;
     const char* closed_ = nullptr;
-    LightPrices prices_;
+    ListPrices prices_;
     bool priced_out_ = false; // True: commands took a part of prices_.left
     size_t capacity_;
     std::vector<Command> pending_;
@@ -166,8 +170,8 @@ private:
 inline const char* whyRefused(const CommandQueue& queue, const CommandBody& body) {
     const char* const closed = queue.closed();
     if (!closed && queue.isTooDear(body))
-        return "with more light a picture would take too long: without shadows a light costs less; the server's "
-               "--most-frame-time bounds it";
+        return "with more a picture would take too long: remove a light or an object first, or add lights without "
+               "shadows; the server's --most-frame-time bounds it";
     return closed ? closed : "too many commands wait: try again";
 }
 

@@ -103,6 +103,23 @@ TEST(ListsOfABusyServer, MoreLightThanThereIsTimeForIsRefused) {
     ASSERT_TRUE(watch({&a}, [&] { return a.lists.at(kLights).size() < lights; })) << "what lessens it is taken";
 }
 
+// Boxes in the sun throw shadows through the medium, which each pixel looks for.
+TEST(ListsOfABusyServer, MoreObjectsThanThereIsTimeForAreRefused) {
+    RunningServer server(
+        {"--ahead", "off", "--set", "render.method=slabs", "--set", "render.rate=8", "--most-frame-time", "5"});
+    Watcher a(server.endpoint());
+    a.look(kPose);
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty() && a.lists.size() == kLists; }));
+    size_t seen = 0;
+    ASSERT_TRUE(watch({&a}, [&] {
+        for (; seen < a.frames.size() && a.errors.empty(); ++seen) add(a, "box", "box.yaw", 1);
+        return !a.errors.empty();
+    }));
+    EXPECT_NE(a.errors.front().text.find("--most-frame-time"), std::string::npos) << a.errors.front().text;
+    const uint64_t tick = a.last().tick;
+    ASSERT_TRUE(watch({&a}, [&] { return a.last().tick > tick + 60; })) << "pictures still come";
+}
+
 TEST_F(ListsOfAServer, WhatCannotBeIsRefusedToWhoAskedAndSaid) {
     set(a, "fog[3].extinction", 1);
     add(a, "fog", "fog.lo", 40'000);

@@ -47,12 +47,12 @@ TEST(CommandQueue, TakesABoundedNumberOfRows) {
     }
 }
 
-TEST(CommandQueue, TakesNoMoreLightThanThereIsTimeFor) {
+TEST(CommandQueue, TakesNoMoreThanThereIsTimeFor) {
     CommandQueue queue;
     const Add lamp{SceneList::lights, {}}, bright{SceneList::lights, {{SceneList::lights, "light.shadows", false}}};
     const Set dimmed{{"light[0].shadows", true}};
     EXPECT_TRUE(queue.push({1, 1, lamp})) << "nothing is priced yet";
-    queue.price({.left = 10, .plain = 1, .shadowed = 4});
+    queue.price({.left = 10, .light = 1, .shadowed_light = 4});
     EXPECT_TRUE(queue.push({1, 2, lamp}));
     EXPECT_TRUE(queue.push({1, 3, dimmed}));
     EXPECT_FALSE(queue.push({1, 4, lamp}));
@@ -66,8 +66,12 @@ TEST(CommandQueue, TakesNoMoreLightThanThereIsTimeFor) {
     std::vector<Command> out;
     queue.drain(out);
     EXPECT_FALSE(queue.push({1, 13, lamp})) << "it is priced anew, not by the next tick";
-    queue.price({.left = 4, .plain = 1, .shadowed = 4});
+    queue.price({.left = 4, .light = 1, .shadowed_light = 4});
     EXPECT_TRUE(queue.push({1, 14, lamp}));
+    const Add box{SceneList::boxes, {}}, sphere{SceneList::spheres, {}}, plane{SceneList::planes, {}};
+    queue.price({.left = 10, .plane = 4, .body = 3});
+    for (const Add& one : {plane, box, sphere}) EXPECT_TRUE(queue.push({1, 15, one}));
+    for (const Add& one : {plane, box, sphere}) EXPECT_FALSE(queue.push({1, 16, one}));
 }
 
 } // namespace

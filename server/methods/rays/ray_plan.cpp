@@ -148,7 +148,7 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
         work[costs::kPresent] = view.pixels();
     } else {
         work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 1 : 0));
-        if (scene.features.casters) work[costs::kShafts] = view.pixels() * (1 + scene.casters);
+        if (scene.features.casters) work[costs::kShafts] = view.pixels() * (1 + view.shadowsMet());
     }
 }
 
