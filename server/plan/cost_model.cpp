@@ -18,13 +18,12 @@ namespace brume {
 namespace {
 
 // Version of the file. It grows when a pass is new, counts its work in another unit, or is timed otherwise.
-constexpr int kVersion = 11;
+constexpr int kVersion = 12;
 
-constexpr const CostInfo* kCommon[] = {
-    &costs::kUpload,        &costs::kOpaqueShadow, &costs::kShadowVolume, &costs::kTetrahedraShadow,
-    &costs::kParticleLight, &costs::kOpaque,       &costs::kCompose,      &costs::kLocalLightDepth,
-    &costs::kLocalLight,    &costs::kLitSurfaces,  &costs::kShafts,       &costs::kPropagation,
-    &costs::kGlass};
+constexpr const CostInfo* kCommon[] = {&costs::kUpload,          &costs::kShadowVolume, &costs::kTetrahedraShadow,
+                                       &costs::kParticleLight,   &costs::kOpaque,       &costs::kCompose,
+                                       &costs::kLocalLightDepth, &costs::kLocalLight,   &costs::kLitSurfaces,
+                                       &costs::kShafts,          &costs::kPropagation,  &costs::kGlass};
 
 std::vector<const CostInfo*> collected() {
     std::vector<const CostInfo*> all(std::begin(kCommon), std::end(kCommon));

@@ -17,10 +17,10 @@ struct CostInfo {
     double built_in;  // ns per unit, measured on lavapipe (Mesa 25.0, 256 bits), two threads of an AMD EPYC
 };
 
-// Passes that belong to no method. `compose` is a cost of those methods that draw into a picture.
+// Passes that belong to no method, but for those that a frame seldom has: maps of what casts shadows are kept until the
+// sun or an object moves. `compose` is a cost of those methods that draw into a picture.
 namespace costs {
-inline constexpr CostInfo kUpload{"upload", "upload", 38};                    // particles
-inline constexpr CostInfo kOpaqueShadow{"opaque_shadow", "opaque shadow", 2}; // texels x casters
+inline constexpr CostInfo kUpload{"upload", "upload", 38}; // particles
 // Particles x cells that they reach, plus the cells.
 inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.12};
 inline constexpr CostInfo kTetrahedraShadow{"tetrahedra_shadow", "tetrahedra shadow", 23}; // texels x tetrahedra behind

@@ -65,9 +65,8 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.glasses = scene.glasses;
     out.tick = makeTick(scene, now, particles, objects);
-    out.casters = std::min(out.tick.opaque_count - out.tick.plane_count + triangles, kMostCounted);
     addCasters(std::span(objects).subspan(out.tick.plane_count), out);
-    out.triangles = std::min(triangles, kMostCounted);
+    out.triangles = out.features.casters ? std::min(triangles, kMostCounted) : 0;
     out.state = stateOf(particles, out.tick);
     out.hues = uint32_t(huesOf(now, simulation.liveCount()).size());
     out.particles = uint32_t(particles.size());

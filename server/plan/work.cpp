@@ -84,9 +84,6 @@ double groupsOf(uint32_t count, uint32_t size) { return std::ceil(double(count) 
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
     Work work;
     work[costs::kUpload] = scene.particles;
-    if (scene.features.casters)
-        work[costs::kOpaqueShadow] =
-            double(scene.wanted.opaque_shadow_size) * scene.wanted.opaque_shadow_size * scene.casters;
     const auto dimmed = std::ranges::count_if(scene.local_lights, [](const auto& light) { return light.shadows != 0; });
     work[costs::kLocalLightDepth] = double(dimmed) * scene.particles;
     if (const gpu::Multiple& multiple = scene.tick.multiple; multiple.cells > 0) {

@@ -35,8 +35,8 @@ inline constexpr uint32_t kMostCounted = 12;
 struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
-    double lobe_width = 1;             // rad, PhaseLobes::width()
-    uint32_t objects = 0, casters = 0; // those that a pixel may meet, by and large: kMostCounted at most
+    double lobe_width = 1; // rad, PhaseLobes::width()
+    uint32_t objects = 0;  // those that a pixel may meet, by and large: kMostCounted at most
     // Boxes and spheres as balls with the same mean outline, evenly chosen; each stands for caster_weight of them.
     struct Ball {
         glm::vec3 centre{0};

@@ -200,13 +200,13 @@ TEST(Plan, EverythingThatIsLeftOpenIsResolved) {
 
 TEST(Plan, ASceneWithoutObjectsHasNoPassOfTheirs) {
     Scene scene = cube();
-    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "opaque shadow"));
+    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "shafts"));
     scene.planes.push_back({-10, {}}); // receives, casts nothing
-    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "opaque shadow"));
+    EXPECT_FALSE(hasPass(makePlan(inputsOf(scene), builtInCosts()), "shafts"));
     scene.boxes.push_back({{0, 8, 0}, {4, 1, 4}, 0, {}});
     const PlanInputs inputs = inputsOf(scene);
     const Plan plan = makePlan(inputs, builtInCosts());
-    EXPECT_TRUE(hasPass(plan, "opaque shadow"));
+    EXPECT_TRUE(hasPass(plan, "shafts"));
     EXPECT_EQ(explain(plan, inputs, builtInCosts()).find("opaque objects"), std::string::npos);
     const PlanInputs bare = inputsOf(cube());
     EXPECT_NE(explain(makePlan(bare, builtInCosts()), bare, builtInCosts()).find("opaque objects"), std::string::npos);
