@@ -12,7 +12,7 @@ namespace brume {
 namespace {
 
 bool sameBits(std::span<const gpu::LocalLight> a, std::span<const gpu::LocalLight> b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
 uint32_t binsOf(uint32_t width, uint32_t height) {

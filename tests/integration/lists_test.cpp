@@ -246,7 +246,7 @@ TEST_F(ListsOfAColdServer, PicturesGoOnUntilTheFirstLightAndTheFirstFogAreCompil
     add(*watcher, "light", "light.range", 0);
     set(*watcher, "light[0].radius", 0.5);
     ASSERT_TRUE(
-        watch({watcher.get()}, [&] { return watcher->lists.size() == kLists && watcher->lists[kLights].size() > 0; }));
+        watch({watcher.get()}, [&] { return watcher->lists.size() == kLists && !watcher->lists[kLights].empty(); }));
     EXPECT_FALSE(isSeen(difference(pictureOf(watcher->last()), *bare))) << "the simulation does not wait for shaders";
     add(*watcher, "fog", "fog.extinction", 0.3);
     const Waited both = watchUntil(isSeen);

@@ -49,7 +49,7 @@ int compareBits(const gpu::Particle& a, const gpu::Particle& b) {
 }
 bool sameBits(const gpu::Particle& a, const gpu::Particle& b) { return compareBits(a, b) == 0; }
 bool sameBits(std::span<const gpu::Particle> a, std::span<const gpu::Particle> b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
 double deviationOf(const gpu::Particle& p) { return 0.1 * double(p.scale) * double(kFalloff); }
