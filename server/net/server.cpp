@@ -70,7 +70,7 @@ std::runtime_error cannotListen(const std::string& listen, uint16_t port, const 
         fmt::format("cannot listen on {}: {}; {}", hostAndPort(listen, port), error.message(), advice));
 }
 
-void listenOn(tcp::acceptor& acceptor, const std::string& listen, uint16_t port, const char* option) {
+void bindTo(tcp::acceptor& acceptor, const std::string& listen, uint16_t port, const char* option) {
     error_code error;
     const auto found =
         tcp::resolver(acceptor.get_executor()).resolve(listen, std::to_string(port), tcp::resolver::passive, error);
@@ -79,7 +79,13 @@ void listenOn(tcp::acceptor& acceptor, const std::string& listen, uint16_t port,
     acceptor.open(endpoint.protocol(), error);
     if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
     if (!error) acceptor.bind(endpoint, error);
-    if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+    if (error) throw cannotListen(listen, port, option, error);
+}
+
+void listenOn(tcp::acceptor& acceptor, const std::string& listen, uint16_t port, const char* option) {
+    bindTo(acceptor, listen, port, option);
+    error_code error;
+    acceptor.listen(asio::socket_base::max_listen_connections, error);
     if (error) throw cannotListen(listen, port, option, error);
 }
 
@@ -190,6 +196,13 @@ NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
     : state_(std::make_unique<State>(std::move(options), audience, metrics)) {}
 
 NetServer::~NetServer() { stop(std::chrono::milliseconds(0)); }
+
+void checkPorts(const net::NetOptions& options) {
+    asio::io_context io;
+    tcp::acceptor viewers(io), agents(io);
+    bindTo(viewers, options.listen, options.port, "--port");
+    if (options.agent_port != 0) bindTo(agents, options.listen, options.agent_port, "--agent-port");
+}
 
 void NetServer::start() {
     State& s = *state_;

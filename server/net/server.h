@@ -12,6 +12,9 @@
 
 namespace brume {
 
+// Throws what NetServer::start() would throw of a port that is taken: soon, where much is to be done before that.
+void checkPorts(const net::NetOptions& options);
+
 class NetServer {
 public:
     // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, if the certificate cannot be

@@ -21,6 +21,10 @@ TEST_F(StopTest, ATakenPortIsToldInOneLine) {
     EXPECT_EQ(
         startError(options, *audience, *metrics),
         fmt::format("cannot listen on 127.0.0.1:{}: Address already in use; choose another with --port", options.port));
+    EXPECT_THROW(checkPorts(options), std::runtime_error);
+    options.port = 0;
+    EXPECT_NO_THROW(checkPorts(options));
+    options.port = server->port();
     options.listen = "192.0.2.1"; // an address of nobody's
     EXPECT_EQ(
         startError(options, *audience, *metrics),
