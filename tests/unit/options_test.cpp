@@ -96,6 +96,15 @@ TEST_F(ServerOptionsTest, EveryKindOfValueIsTakenFromTheEnvironment) {
     EXPECT_EQ(options.options->scene, "1e5");
 }
 
+TEST_F(ServerOptionsTest, AnOriginIsWhatBrowsersSend) {
+    const auto taken = [](const char* origin) { return parsed({"--allow-origin", origin}).options.has_value(); };
+    for (const char* good : {"*", "https://clouds.example", "http://127.0.0.1:8000", "http://[::1]:8000"})
+        EXPECT_TRUE(taken(good)) << good;
+    for (const char* bad : {"clouds.example", "localhost:8000", "http://localhost:8000/", "http://a.example/page",
+                            "https://", "ftp://a.example", "http://a.example;b", "null"})
+        EXPECT_FALSE(taken(bad)) << bad;
+}
+
 TEST_F(ServerOptionsTest, WhatNobodySaysIsTheDefault) {
     const ParsedOptions options = parsed({});
     ASSERT_TRUE(options.options) << options.complaint;
