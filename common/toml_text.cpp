@@ -77,4 +77,16 @@ toml::table parseToml(std::string_view text, const std::string& name) {
     return toml::parse(text, name);
 }
 
+std::string syntaxProblem(const toml::parse_error& error) {
+    const std::string_view said = error.description();
+    const auto says = [&](std::string_view part) { return said.find(part) != said.npos; };
+    const char* advice = "allowed: TOML 1.0";
+    if (says("redefine existing table"))
+        advice = "allowed: each table once; put its keys where it stands first";
+    else if (says("expected 'nan'") || says("expected 'true'") || says("expected 'false'") || says("expected 'inf'") ||
+             says("could not determine value type"))
+        advice = "allowed: TOML 1.0, where texts stand in quotes";
+    return "syntax: " + std::string(said) + "; " + advice;
+}
+
 } // namespace brume

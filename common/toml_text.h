@@ -12,4 +12,7 @@ namespace brume {
 // 16 tables inside each other.
 toml::table parseToml(std::string_view text, const std::string& name = {});
 
+// What is wrong, in the parser's words, and what to do: about the mistakes that people make most.
+std::string syntaxProblem(const toml::parse_error& error);
+
 } // namespace brume

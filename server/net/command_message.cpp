@@ -34,6 +34,13 @@ std::string whyNotLive(std::string_view path) {
     return "no such live setting" + (near.empty() ? "; docs/scenes.md has those that there are" : near);
 }
 
+// What a setting of that value's type takes.
+const char* kindOf(const SettingValue& value) {
+    constexpr const char* kKinds[]{"true or false", "a number", "a whole number", "three numbers", "a text"};
+    static_assert(std::size(kKinds) == std::variant_size_v<SettingValue>);
+    return kKinds[value.index()];
+}
+
 // Reads fields one after another and keeps the first refusal.
 class Reader {
 public:
@@ -110,7 +117,7 @@ private:
     std::optional<SettingValue> valueOf(const SceneSetting& setting, const wire::Change& c) {
         SettingValue value = defaultOf(setting);
         if (std::visit([&](auto& to) { return read(c, to); }, value)) return value;
-        refuse(wire::ErrorCode::out_of_range, fmt::format("{} has a value of another type", setting.key()));
+        refuse(wire::ErrorCode::out_of_range, fmt::format("{} takes {}", setting.key(), kindOf(value)));
         return {};
     }
     // False where there are not three numbers for each vector.

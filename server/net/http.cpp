@@ -227,7 +227,7 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
         report = context_->audience.report();
     }
     if (report->settings[at] != SettingValue(on))
-        co_return co_await sendLater(request, "pause", "the frame loop takes no commands now");
+        co_return co_await sendLater(request, "pause", "the server takes no commands just now: try again");
     Reply reply = lineReply(200, on ? "paused" : "running");
     reply.headers = {{"Brume-Tick", fmt::format("{}", report->tick)},
                      {"Brume-State", fmt::format("{:016x}", report->state_hash)},

@@ -99,7 +99,7 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
         const std::string text{std::istreambuf_iterator<char>(in), {}};
         root = parseToml(text, file());
     } catch (const toml::parse_error& error) {
-        throw fail(error.source().begin.line, fmt::format("syntax: {}; allowed: TOML 1.0", error.description()));
+        throw fail(error.source().begin.line, syntaxProblem(error));
     }
     std::vector<CLI::ConfigItem> found;
     for (const auto& [toml_key, node] : root) {

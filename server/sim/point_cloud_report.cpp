@@ -156,12 +156,11 @@ std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
                                                : fmt::format("scale {} m ({}); ", rangeOf(cloud, &gpu::Particle::scale),
                                                              cloud.facts.sizes_from);
     return oneLine(fmt::format("{} '{}': {}{} points in {}; {}extinction {} 1/m ({}); {}; {}; "
-                               "optical depth about {:.2g}{}",
+                               "optical depth about {:.2g}",
                                kind(cloud.facts), scene.medium.file.string(), before, cloud.particles.size(),
                                cloud.boxText(), sizes, rangeOf(cloud, &gpu::Particle::sigma_t),
                                cloud.facts.extinctions_from, cloud.facts.coloured ? "with colours" : "no colours",
-                               ignoredText(cloud.facts), depth,
-                               depth < kNearlyNothing ? ", nearly transparent: medium.extinction changes it" : ""));
+                               ignoredText(cloud.facts), depth));
 }
 
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {
@@ -171,6 +170,16 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
         warnings.push_back(oneLine(fmt::format("{} '{}': dropped {} of {} points; the first, {}", kind(cloud.facts),
                                                scene.medium.file.string(), cloud.facts.dropped,
                                                cloud.facts.dropped + cloud.facts.kept, cloud.facts.first_dropped)));
+    if (std::ranges::find(cloud.facts.ignored, "scale_0") != cloud.facts.ignored.end())
+        warnings.push_back(oneLine(fmt::format(
+            "'{}' looks like Gaussian splatting: its scale_0 is a logarithm and its opacity a logit, which are read as they "
+            "stand; docs/scenes.md says how to convert them",
+            scene.medium.file.string())));
+    if (const double depth = depthOf(cloud); depth < kNearlyNothing)
+        warnings.push_back(
+            fmt::format("an optical depth of {:.2g} is nearly transparent: medium.extinction changes it; "
+                        "without that and medium.multiplier it is chosen",
+                        depth));
     if (!cloud.facts.gaps.empty()) warnings.push_back(oneLine(cloud.facts.gaps));
     if (!seesAny(cloud)) warnings.push_back(unseenText(cloud));
     return warnings;
