@@ -71,14 +71,16 @@ bool hasInstanceExtension(std::string_view name) {
     return std::any_of(extensions.begin(), extensions.end(), [&](const auto& e) { return name == e.extensionName; });
 }
 
-// With sanitizers drivers stay loaded: a leak is told at the end, and has no name without its library.
+// With sanitizers drivers and layers stay loaded: a leak is told at the end, and has no name without its library. What
+// only a library's globals refer to would count as one.
 void keepDrivers() {
 #if defined(BRUME_SANITIZED)
     std::vector<std::string> drivers;
     ::dl_iterate_phdr(
         [](dl_phdr_info* library, size_t, void* out) {
             const std::string_view name = library->dlpi_name;
-            if (name.find("libvulkan_") != name.npos) static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+            if (name.find("libvulkan_") != name.npos || name.find("libVkLayer_") != name.npos)
+                static_cast<std::vector<std::string>*>(out)->emplace_back(name);
             return 0;
         },
         &drivers);

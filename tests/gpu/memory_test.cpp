@@ -191,6 +191,7 @@ TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
     }
     EXPECT_GT(after_first, 5u);
     EXPECT_EQ(device().pipelines().size(), after_first);
+    if (kSanitized) return; // it keeps what is freed for a while
     EXPECT_LE(residentBytes(), resident + (32 << 20));
 }
 
