@@ -336,8 +336,7 @@ Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::s
     try {
         root = parseToml(text, name);
     } catch (const toml::parse_error& error) {
-        throw SceneError(oneLine(name + ':' + std::to_string(error.source().begin.line) +
-                                 ": " + syntaxProblem(error)));
+        throw SceneError(oneLine(name + ':' + std::to_string(error.source().begin.line) + ": " + syntaxProblem(error)));
     }
     for (const std::string& text_of_one : overrides) replace(root, parseOverride(text_of_one));
     Scene scene;

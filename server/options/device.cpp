@@ -24,8 +24,9 @@ void addDeviceOptions(OptionTable& table, ServerOptions& o) {
     g.option("--measure-error", o.frame.measure_error,
              "part of one core that measures the error of pictures while they are sent; 0: nothing is measured")
         .range(0.0, 1.0);
-    g.option("--most-frame-time", o.frame.most_frame_ms,
-             "that a frame of all viewers may take: larger pictures are made smaller, more lights and objects are refused")
+    g.option(
+         "--most-frame-time", o.frame.most_frame_ms,
+         "that a frame of all viewers may take: larger pictures are made smaller, more lights and objects are refused")
         .range(1.0, 60'000.0)
         .unit("MS");
     g.option("--ahead", o.ahead, "compile shaders that may be needed later: background, off, or only that and end")
