@@ -117,7 +117,7 @@ def settings(url):
     """An operator's program that changes everything in turn: other methods, light that scatters otherwise, other extinction."""
     import brume
     changes = [{'render.method': 'sphere'}, {'render.scattering': 'propagation'}, {'render.method': 'auto'}, {'medium.extinction': 9},
-               {'render.scattering': 'single'}, {'medium.extinction': 6}, {'sun.to_light': (0.3, 0.8, 0.4)}, {'render.error': 0.02}]
+               {'render.scattering': 'single'}, {'medium.extinction': 6}, {'light.to_light': (0.3, 0.8, 0.4)}, {'render.error': 0.02}]
     with brume.connect(url, size=(64, 36)) as view:
         while True:
             for change in changes:
