@@ -18,8 +18,8 @@ std::vector<gpu::Opaque> opaqueObjects(Scene scene, const SceneLists& lists);
 
 gpu::Opaque opaqueOf(const Box& box);
 gpu::Opaque opaqueOf(const Sphere& sphere);
-// Radius of the ball whose outline has the mean area of a box's or a sphere's, m: a convex body's outline has a quarter
-// of its surface, on the mean over all directions (Cauchy).
+// Radius of the ball whose outline has the mean area of a box's or a sphere's, m. The mean area of a convex body's
+// outline, over all directions, is a quarter of its surface (Cauchy).
 float meanRadius(const gpu::Opaque& body);
 
 // A node of a tree, with its item as object. Its box is rounded outward.

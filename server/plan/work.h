@@ -36,7 +36,7 @@ struct PlanScene {
     RenderSettings wanted; // settings of the scene and of commands; method may be kAutoMethod
     SceneFeatures features;
     double lobe_width = 1; // rad, PhaseLobes::width()
-    uint32_t objects = 0;  // those that a pixel may meet, by and large: kMostCounted at most
+    uint32_t objects = 0;  // objects that a pixel may meet, by and large: kMostCounted at most
     // Boxes and spheres as balls with the same mean outline, evenly chosen; each stands for caster_weight of them.
     struct Ball {
         glm::vec3 centre{0};
@@ -44,7 +44,7 @@ struct PlanScene {
     };
     std::vector<Ball> caster_balls;
     double caster_weight = 1;
-    uint32_t triangles = 0;                    // of meshes that cast shadows: kMostCounted at most
+    uint32_t triangles = 0;                    // triangles of meshes that cast shadows: kMostCounted at most
     std::vector<gpu::LocalLight> local_lights; // points and spots
     std::vector<Glass> glasses;                // sheets of glass
     gpu::Tick tick{};                          // light, falloff, cut, bounds of the shadow volume

@@ -57,8 +57,8 @@ struct Command {
 // Predicted for one picture, in ms.
 struct ListPrices {
     double left = std::numeric_limits<double>::infinity(); // time for more elements
-    double light = 0, shadowed_light = 0;                  // that one more takes without shadows; with
-    double plane = 0, body = 0;                            // that one more takes; a body is a box or a sphere
+    double light = 0, shadowed_light = 0;                  // time of one more light, without shadows and with
+    double plane = 0, body = 0;                            // time of one more plane, of one more box or sphere
 };
 
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles

@@ -171,10 +171,10 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
                                                scene.medium.file.string(), cloud.facts.dropped,
                                                cloud.facts.dropped + cloud.facts.kept, cloud.facts.first_dropped)));
     if (std::ranges::find(cloud.facts.ignored, "scale_0") != cloud.facts.ignored.end())
-        warnings.push_back(oneLine(fmt::format(
-            "'{}' looks like Gaussian splatting: its scale_0 is a logarithm and its opacity a logit, which are read as they "
-            "stand; docs/scenes.md says how to convert them",
-            scene.medium.file.string())));
+        warnings.push_back(oneLine(
+            fmt::format("'{}' looks like Gaussian splatting: its scale_0 is a logarithm and its opacity a logit, "
+                        "which are read as they stand; docs/scenes.md says how to convert them",
+                        scene.medium.file.string())));
     if (const double depth = depthOf(cloud); depth < kNearlyNothing)
         warnings.push_back(
             fmt::format("an optical depth of {:.2g} is nearly transparent: medium.extinction changes it; "

@@ -128,8 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[render]\nshadow_error = 0", 2, "render.shadow_error", "0 is not", "from 0.0001 to 0.1"},
         Wrong{"name = 1979-05-27", 1, "name", "a date or time", "text"},
         Wrong{"name = \"a\"\nname = \"b\"", 2, "syntax", "name", "TOML"}, Wrong{"[medium\n", 1, "syntax", "", "TOML"},
-        Wrong{"[medium]\nlayout = none\n", 2, "syntax", "", "quotes"},
-        Wrong{"[medium]\nlayout = cube\n", 2, "syntax", "", "quotes"},
+        Wrong{"name = no", 1, "syntax", "", "quotes"}, Wrong{"name = cube", 1, "syntax", "", "quotes"},
         Wrong{"[medium]\n[sky]\n[medium]\n", 3, "syntax", "medium", "stands first"}));
 
 TEST(Scene, TakesEveryValueOver) {
