@@ -18,16 +18,25 @@ namespace {
 
 // Threads that encode: one for each core, in these bounds.
 constexpr unsigned kLeastEncoders = 2, kMostEncoders = 16;
-constexpr auto kLongStart = std::chrono::seconds(1);
+constexpr auto kLongStart = std::chrono::seconds(1), kTellAgain = std::chrono::seconds(5);
 constexpr std::chrono::milliseconds kKnown{700}; // within which shaders are drawn with that are compiled already
 
-// Logs its text unless it is gone before that time is over.
-class Notice {
+// Says in the log that shaders are being compiled, and for how long, while it lives.
+class Progress {
 public:
-    Notice(Clock::duration after, const char* text)
-        : thread_([this, after, text](const std::stop_token& over) {
-              std::unique_lock lock(mutex_);
-              if (!woken_.wait_for(lock, over, after, [&] { return over.stop_requested(); })) spdlog::info(text);
+    Progress()
+        : thread_([this](const std::stop_token& over) {
+              const Clock::time_point begun = Clock::now();
+              const auto isOverAfter = [&](Clock::duration time) {
+                  std::unique_lock lock(mutex_);
+                  return woken_.wait_for(lock, over, time, [&] { return over.stop_requested(); });
+              };
+              if (isOverAfter(kLongStart)) return;
+              spdlog::info("compiling shaders, which takes half a minute: a driver does so once, and then has them in "
+                           "its cache");
+              while (!isOverAfter(kTellAgain))
+                  spdlog::info("still compiling shaders, for {:.0f} s",
+                               std::chrono::duration<double>(Clock::now() - begun).count());
           }) {}
 
 private:
@@ -77,7 +86,7 @@ void FrameLoop::pipelineMade(const std::string& text) {
 // are compiled here, wherever cameras are; else also those of measuring and of a picture at rest, which snapshots are.
 // What may be needed later: ahead.h.
 void FrameLoop::warmUp() {
-    const Notice notice(kLongStart, "compiling shaders: a driver does so once, and then has them in its cache");
+    const Progress progress;
     const bool all = ways_.hasAll();
     WarmUp pictures(*renderer_, batches_.front()->submission, scene_, simulation_, all);
     const PlanView& own = pictures.own();
