@@ -37,6 +37,9 @@ ListPrices listPrices(PlanScene scene, const RenderSettings& settings, const Pla
     const Box box{.centre = light.position};
     scene.caster_balls.push_back({box.centre, meanRadius(opaqueOf(box))});
     prices.body = more() / scene.caster_weight;
+    const auto far = float(limits::kLength.hi);
+    scene.caster_balls.back() = {box.centre + far * scene.tick.sun.to_light, 2 * far}; // all is in its shadow
+    prices.growth = std::max(more() / scene.caster_weight - prices.body, 0.0);
     return prices;
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -59,6 +60,7 @@ struct ListPrices {
     double left = std::numeric_limits<double>::infinity(); // time for more elements
     double light = 0, shadowed_light = 0;                  // time of one more light, without shadows and with
     double plane = 0, body = 0;                            // time of one more plane, of one more box or sphere
+    double growth = 0; // time that a box or sphere takes more which grows until all rays are in its shadow
 };
 
 inline constexpr uint32_t kMostImpulses = 64; // in a tick: each is a pass over all particles
@@ -134,24 +136,32 @@ public:
     }
 
 private:
-    // Of what it adds, and of the shadows that it gives to lights.
+    // Of what it adds, of the shadows that it gives to lights, and of bodies' sizes: each may grow as far as it can.
     double priceOf(const CommandBody& body) const {
         const auto shadows = [](const Change& change) -> std::optional<bool> {
             if (change.setting->path != "light.shadows") return {};
             return std::get<bool>(change.value);
         };
+        const auto growth = [&](const Change& change) {
+            const std::string_view path = change.setting->path;
+            return path == "box.size" || path == "sphere.radius" ? prices_.growth : 0;
+        };
         if (const auto* added = std::get_if<Add>(&body)) {
             if (added->list == SceneList::fogs) return 0; // there are few
             if (added->list == SceneList::planes) return prices_.plane;
-            if (added->list != SceneList::lights) return prices_.body;
+            double price = prices_.body;
+            for (const Change& change : added->changes) price += growth(change);
+            if (added->list != SceneList::lights) return price;
             bool has = true;
             for (const Change& change : added->changes) has = shadows(change).value_or(has);
             return has ? prices_.shadowed_light : prices_.light;
         }
         double price = 0;
-        if (const auto* set = std::get_if<Set>(&body))
-            for (const Change& change : set->changes)
-                if (shadows(change).value_or(false)) price += std::max(prices_.shadowed_light - prices_.light, 0.0);
+        const auto* set = std::get_if<Set>(&body);
+        for (const Change& change : set ? std::span(set->changes) : std::span<const Change>()) {
+            if (shadows(change).value_or(false)) price += std::max(prices_.shadowed_light - prices_.light, 0.0);
+            price += growth(change);
+        }
         return price;
     }
 

@@ -72,6 +72,14 @@ TEST(CommandQueue, TakesNoMoreThanThereIsTimeFor) {
     queue.price({.left = 10, .plane = 4, .body = 3});
     for (const Add& one : {plane, box, sphere}) EXPECT_TRUE(queue.push({1, 15, one}));
     for (const Add& one : {plane, box, sphere}) EXPECT_FALSE(queue.push({1, 16, one}));
+    const Add ball{SceneList::spheres, {{SceneList::spheres, "sphere.radius", 9.f}}};
+    const Set grown{{"sphere[0].radius", 9.f}}, moved{{"sphere[0].centre", glm::vec3(1)}};
+    queue.price({.left = 10, .body = 3, .growth = 2});
+    EXPECT_TRUE(queue.push({1, 17, ball}));
+    EXPECT_TRUE(queue.push({1, 18, grown}));
+    EXPECT_TRUE(queue.push({1, 19, grown}));
+    EXPECT_FALSE(queue.push({1, 20, grown}));
+    EXPECT_TRUE(queue.push({1, 21, moved}));
 }
 
 } // namespace

@@ -56,6 +56,7 @@ TEST(CasterWork, NobodyAddsMoreObjectsThanThereIsTimeFor) {
     EXPECT_GT(many.body, 0);
     EXPECT_LT(many.body, few.body) << "surfaces cost no more beyond kMostCounted";
     EXPECT_LT(many.left, few.left);
+    EXPECT_NEAR(many.growth, 7 * many.body, 1e-9) << "an eighth of the rays meets the shadow of such a box";
     Scene dark = shafts(400);
     dark.lights[0].irradiance = glm::vec3(0);
     EXPECT_LT(pricesOf(dark).body, 0.1 * many.body) << "no shafts";
