@@ -13,7 +13,7 @@ constexpr char kBoundary[] = "brume-frame";
 constexpr auto kRepeatAfter = std::chrono::seconds(1);      // of a stream: players take a longer pause for its end
 constexpr uint8_t kSnapshotQuality = 90;                    // JPEG, as of every picture at rest
 constexpr auto kLookAgain = std::chrono::milliseconds(100); // for the end of a connection with unread bytes
-constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; see /readyz";
+constexpr char kNoFrame[] = "no picture came in time: shaders may be compiling, which is done once; ask again";
 
 // True if the client takes PNG and does not take JPEG.
 bool prefersPng(const HttpRequest& request) {

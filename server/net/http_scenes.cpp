@@ -122,7 +122,10 @@ asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::st
         co_return co_await sendLater(request, route, "other scenes are being loaded");
     const auto deadline = Clock::now() + kLoadWithin;
     while (!wish->answered() && Clock::now() < deadline && !context_->stopping) co_await event_->wait(deadline);
-    if (!wish->answered()) co_return co_await sendLater(request, route, "the scene is still being loaded");
+    if (!wish->answered() && !context_->stopping) // who sent a cloud need not send it again
+        co_return co_await send(request, route,
+                                lineReply(202, "it takes long to load, and is shown once it is loaded"));
+    if (!wish->answered()) co_return co_await sendLater(request, route, "the server stops");
     if (!wish->complaint().empty()) co_return co_await send(request, route, lineReply(422, wish->complaint()));
     const std::shared_ptr<const SceneReport> report = context_->audience.report();
     Reply reply = lineReply(200, fmt::format("scene '{}' is shown", context_->audience.scene()->scene.name));

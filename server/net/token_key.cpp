@@ -10,6 +10,11 @@
 namespace brume {
 
 std::string readTokenKey(const std::filesystem::path& file) {
+    std::error_code unknown; // what keeps from looking keeps from reading, too
+    if (!std::filesystem::exists(file, unknown) && !unknown)
+        throw std::runtime_error(
+            fmt::format("--token-key {0}: there is no such file; make one: (umask 077; head -c 32 /dev/urandom > {0})",
+                        file.string()));
     std::string key = readSecret("--token-key", file, net::kMostKeyBytes);
     if (key.size() < net::kLeastKeyBytes || key.size() > net::kMostKeyBytes)
         throw std::runtime_error(

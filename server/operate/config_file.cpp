@@ -51,7 +51,7 @@ std::string tomlWord(const std::string& word) {
     return quoted(word);
 }
 
-// "--port" in "--port: Value 70000 not in range", but not in "--port-name: ...".
+// "--port" in "--port: 70000 is not allowed here", but not in "--port-name: ...".
 bool names(const std::string& complaint, const std::string& option) {
     const size_t at = complaint.find(option);
     if (at == complaint.npos) return false;

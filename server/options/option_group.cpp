@@ -17,7 +17,14 @@ template <class T>
 void addRange(CLI::Option& option, T least, T most) {
     const std::string kind = option.get_type_name();
     if (kind == "UINT" || kind == "INT" || kind == "FLOAT") option.type_name("NUMBER");
-    option.check(CLI::Range(least, most, fmt::format("{} to {}", least, most)));
+    const std::string range = fmt::format("{} to {}", least, most);
+    const auto complaint = [&option, range, inside = CLI::Range(least, most)](const std::string& text) -> std::string {
+        if (inside(text).empty()) return {};
+        const std::string shown = option.get_type_name(); // the unit or NUMBER, a colon, and the range
+        const std::string unit = shown.starts_with("NUMBER:") ? "" : ' ' + shown.substr(0, shown.find(':'));
+        return fmt::format("{} is not allowed here; allowed: {}{}", text, range, unit);
+    };
+    option.check(CLI::Validator(complaint, range, {}));
 }
 
 } // namespace

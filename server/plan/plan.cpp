@@ -124,7 +124,8 @@ std::string checkWanted(const RenderSettings& wanted, const std::string& file, s
     if (wrong.empty()) return {};
     const bool asked =
         std::ranges::any_of(overrides, [](std::string_view one) { return one.starts_with("render.method"); });
-    return (asked ? "--method, --set render.method: " : file + ": render: ") + wrong;
+    const bool unknown = wanted.method != kAutoMethod && !planOf(wanted.method);
+    return (asked ? "--method, --set render.method: " : file + (unknown ? ": render.method: " : ": render: ")) + wrong;
 }
 
 std::vector<const MethodPlan*> allMethods() { return {methodPlans().begin(), methodPlans().end()}; }

@@ -116,7 +116,8 @@ TEST(Plan, AMethodThatThereIsNotIsBlamedOnWhoAskedForIt) {
     RenderSettings wanted;
     wanted.method = "magic";
     const std::vector<std::string> asked{"medium.count=5", "render.method=magic"};
-    EXPECT_TRUE(checkWanted(wanted, "a.toml", {}).starts_with("a.toml: render: no method 'magic'; there are: auto, "));
+    EXPECT_TRUE(
+        checkWanted(wanted, "a.toml", {}).starts_with("a.toml: render.method: no method 'magic'; there are: auto, "));
     EXPECT_TRUE(checkWanted(wanted, "a.toml", asked).starts_with("--method, --set render.method: no method 'magic'"));
     EXPECT_EQ(checkWanted({.method = kAutoMethod}, "a.toml", asked), "");
 }

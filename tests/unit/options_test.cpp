@@ -56,6 +56,19 @@ TEST_F(ServerOptionsTest, AMistakeInTheEnvironmentIsRefusedWithItsName) {
     }
 }
 
+TEST_F(ServerOptionsTest, AValueOutOfRangeIsToldTheRangeAndItsUnit) {
+    for (const auto& [flag, value, line] : std::vector<std::array<const char*, 3>>{
+             {"--frame-budget", "0", "--frame-budget: 0 is not allowed here; allowed: 1 to 10000 MS"},
+             {"--idle", "soon", "--idle: soon is not allowed here; allowed: 1 to 3600000 MS"},
+             {"--port", "70000", "--port: 70000 is not allowed here; allowed: 0 to 65535"},
+             {"--token-key", "/nowhere/key", "--token-key /nowhere/key: there is no such file; make one: "},
+         }) {
+        const ParsedOptions options = parsed({flag, value});
+        EXPECT_FALSE(options.options);
+        EXPECT_TRUE(options.complaint.starts_with(line)) << options.complaint;
+    }
+}
+
 TEST_F(ServerOptionsTest, AMistakeInAFlagIsNotTheEnvironments) {
     const ParsedOptions options = parsed({"--port", "70000"}, {{"BRUME_PORT", "1"}});
     EXPECT_FALSE(options.options);
