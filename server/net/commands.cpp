@@ -51,6 +51,13 @@ struct Judge {
     }
 };
 
+// True: the command pauses. False: it lets go on. Nothing: it does neither.
+std::optional<bool> pauseOf(const CommandBody& body) {
+    const auto* set = std::get_if<Set>(&body);
+    if (!set || set->changes.size() != 1 || set->changes[0].setting != liveSetting("simulation.paused")) return {};
+    return std::get<bool>(set->changes[0].value);
+}
+
 } // namespace
 
 wire::Role roleFor(const CommandBody& body) {
@@ -73,10 +80,16 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
     return std::move(read.body);
 }
 
-std::optional<bool> pauseOf(const CommandBody& body) {
-    const auto* set = std::get_if<Set>(&body);
-    if (!set || set->changes.size() != 1 || set->changes[0].setting != liveSetting("simulation.paused")) return {};
-    return std::get<bool>(set->changes[0].value);
+std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, CommandBody body) {
+    if (ReplayControl* const replay = audience.replay()) {
+        const std::optional<bool> paused = pauseOf(body);
+        if (paused) replay->paused = *paused;
+        if (paused) return {};
+        return Refusal{wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N"};
+    }
+    CommandQueue& queue = audience.commands();
+    if (queue.push({viewer, input_seq, body})) return {};
+    return Refusal{wire::ErrorCode::busy, whyRefused(queue, body)};
 }
 
 } // namespace brume::net

@@ -24,7 +24,7 @@ struct ShownMedium {
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
                                                const ShownMedium& medium, wire::Role role);
 
-// True or false where a command to a replay pauses it or lets it go on; nothing for all other commands.
-std::optional<bool> pauseOf(const CommandBody& body);
+// Gives a command to the scene, or to the replay: why it is not taken now, or nothing. `input_seq`: its viewer's number.
+std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, CommandBody body);
 
 } // namespace brume::net

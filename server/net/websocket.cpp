@@ -71,7 +71,7 @@ private:
     void carryOut(Effects& effects);
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
-    void enqueueCommand(EnqueueCommand&& command);
+    void command(EnqueueCommand&& given);
     wire::Packed newPing();
     void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
@@ -272,7 +272,7 @@ void WebSocketSession::carryOut(Effects& effects) {
         void operator()(SetPose& e) {
             if (s.handle_) s.handle_->viewer().setPose(e.request);
         }
-        void operator()(EnqueueCommand& e) { s.enqueueCommand(std::move(e)); }
+        void operator()(EnqueueCommand& e) { s.command(std::move(e)); }
         void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
         void operator()(Ponged& e) { s.ponged(e.nonce); }
         void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
@@ -319,21 +319,12 @@ void WebSocketSession::acknowledge(uint32_t frame) {
     carryOut(refusal);
 }
 
-void WebSocketSession::enqueueCommand(EnqueueCommand&& command) {
-    const uint32_t seq = command.seq;
-    if (ReplayControl* const replay = context_->audience.replay()) {
-        if (const std::optional<bool> paused = pauseOf(command.body)) {
-            replay->paused = *paused;
-            return;
-        }
-        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::unexpected));
-        return enqueue(
-            packError(wire::ErrorCode::unexpected, "this is a replay: pause it, resume it, or POST /seek?tick=N", seq));
-    }
-    CommandQueue& queue = context_->audience.commands();
-    if (queue.push({handle_->viewer().id(), seq, command.body})) return;
-    context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::busy));
-    enqueue(packError(wire::ErrorCode::busy, whyRefused(queue, command.body), seq));
+void WebSocketSession::command(EnqueueCommand&& given) {
+    const std::optional<Refusal> refusal =
+        giveCommand(context_->audience, handle_->viewer().id(), given.seq, std::move(given.body));
+    if (!refusal) return;
+    context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
+    enqueue(packError(refusal->code, refusal->text, given.seq));
 }
 
 // The viewer leaves the audience at once. The connection ends when all control messages are sent.

@@ -11,20 +11,7 @@ import time
 import unittest
 import unittest.mock
 
-try:
-    import flatbuffers  # noqa: F401
-    import numpy
-    import PIL  # noqa: F401
-    import websockets  # noqa: F401
-except ImportError as missing:
-    print(f'skipped: {missing}; ./dev test integration installs python3-websockets, python3-flatbuffers, '
-          'python3-numpy and python3-pil')
-    sys.exit(77)
-
-program, package = (os.path.abspath(path) for path in sys.argv[1:3])
-sys.path.insert(0, package)
-import brume  # noqa: E402
-from python_server import PATIENCE, Server  # noqa: E402
+from python_server import PATIENCE, Server, Serving, brume, numpy, package, program
 
 
 class Package(unittest.TestCase):
@@ -233,12 +220,7 @@ class Needs(unittest.TestCase):
             self.assertRegex(self.complaint(old), f'needs the module {name}, .*: here is 1.12')
 
 
-class Alone(unittest.TestCase):
-    def serve(self, *options):
-        server = Server(program, *options)
-        self.addCleanup(server.stop)
-        return server
-
+class Alone(Serving):
     def test_a_viewer_comes_back_when_its_server_does(self):
         server = self.serve()
         with brume.connect(server.url, size=(96, 64)) as view:
@@ -335,57 +317,6 @@ class Alone(unittest.TestCase):
                               ('bad.ply', lambda: view.show_cloud(b'no points', 'bad'))):
                 with self.assertRaisesRegex(brume.BrumeError, line):
                     act()
-
-    def live(self, rows):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        scene = pathlib.Path(folder.name) / 'live.toml'
-        scene.write_text(f'[medium]\nlayout = "live"\ncount = {rows}\nextinction = 1\n')
-        return self.serve('--scene', scene)
-
-    def test_particles_of_a_simulation_elsewhere(self):
-        server = self.live(7000)
-        with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
-            view.look(position=(0, 0, 30), target=(0, 0, 0))
-            empty = view.frame().array().astype(float)
-            # More than two messages, each below 64 KiB; with albedos more than three.
-            places = numpy.random.default_rng(1).uniform(-4, 4, (7000, 3))
-            for albedos in (None, numpy.tile((1.0, 0.1, 0.1), (7000, 1))):
-                view.set_particles(places, 0.6, numpy.full(7000, 3.0), albedos)
-                self.assertEqual(self.particles(view), 7000)
-            view.pause()
-            red = view.frame().array().astype(float)
-            middle = red[28:36, 44:52]
-            self.assertGreater(abs(middle - empty[28:36, 44:52]).mean(), 10, 'they are seen')
-            self.assertGreater(middle[..., 0].mean(), 1.3 * middle[..., 2].mean(), 'and are red')
-            # The same by lists, and fewer of them; then none.
-            view.set_particles([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [1, 1, 2], 5, seconds=0.1)
-            self.assertEqual(self.particles(view), 3)
-            view.set_particles([], [], [])
-            self.assertEqual(self.particles(view), 0)
-
-    def particles(self, view):
-        """How many there are a second later, which the server reports."""
-        tick, deadline = view.state.tick, time.monotonic() + PATIENCE
-        while view.state.tick < tick + 30 and time.monotonic() < deadline:
-            time.sleep(0.02)
-        return view.state.particles
-
-    def test_particles_that_cannot_be_set(self):
-        server = self.live(10)
-        with brume.connect(server.url, size=(96, 64)) as view:
-            for line, act in (('medium.count = 10 rows', lambda: view.set_particles([(0, 0, 0)] * 11, 1, 1)),
-                              ('the scale of row 0', lambda: view.set_particles([(0, 0, 0)], -1, 1)),
-                              ('pushes move nothing here', lambda: view.push((0, 0, 0), (0, 0, 1)))):
-                with self.assertRaisesRegex(brume.BrumeError, line):
-                    act()
-            with self.assertRaisesRegex(brume.BrumeError, '2 numbers of scales for 1 particles: 1 each'):
-                view.set_particles([(0, 0, 0)], [1, 2], 1)
-
-    def test_a_scene_of_its_own_takes_no_particles(self):
-        with brume.connect(self.serve().url, size=(96, 64)) as view:
-            with self.assertRaisesRegex(brume.BrumeError, 'sets its own particles'):
-                view.set_particles([(0, 0, 0)], 1, 1)
 
     def test_frames_tell_their_measured_error(self):
         with brume.connect(self.serve('--measure-error', '1').url, size=(160, 96), timeout=PATIENCE) as view:

@@ -1,7 +1,25 @@
-"""A brume-server as a child process, for tests of its Python package."""
+"""A brume-server as a child process, and its Python package, for tests that are called with SERVER PACKAGE. Exit status
+77: a package of the distribution is missing."""
+import os
 import re
 import subprocess
+import sys
+import unittest
 import urllib.request
+
+try:
+    import flatbuffers  # noqa: F401
+    import numpy  # noqa: F401
+    import PIL  # noqa: F401
+    import websockets  # noqa: F401
+except ImportError as missing:
+    print(f'skipped: {missing}; ./dev test integration installs python3-websockets, python3-flatbuffers, '
+          'python3-numpy and python3-pil')
+    sys.exit(77)
+
+program, package = (os.path.abspath(path) for path in sys.argv[1:3])
+sys.path.insert(0, package)
+import brume  # noqa: E402,F401
 
 PATIENCE = 30  # s
 
@@ -26,3 +44,12 @@ class Server:
     def metric(self, name):
         text = urllib.request.urlopen(f'{self.url}/metrics').read().decode()
         return next(float(line.split(' ')[-1]) for line in text.splitlines() if line.startswith(f'{name} '))
+
+
+class Serving(unittest.TestCase):
+    """Tests with servers of their own."""
+
+    def serve(self, *options):
+        server = Server(program, *options)
+        self.addCleanup(server.stop)
+        return server

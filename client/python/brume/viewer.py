@@ -9,7 +9,6 @@ from brume.link import Link
 
 REST = 1.0  # s in which a paused scene sends what it still has to send
 LOADED = 90.0  # s; scenes of a million points take a while
-ADOPTED = 2.0  # s; the server reports its settings each second
 
 
 @dataclass(frozen=True)
@@ -227,12 +226,14 @@ class Viewer:
         link = self._link
         known = link.errors[-1:]
         link.order([order], self._timeout)
-        end = time.monotonic() + ADOPTED
-        while time.monotonic() < end and not adopted():
+        end = time.monotonic() + self._timeout
+        ticks = set()  # of reports since then; the third is of a tick after the order, whatever it says
+        while len(ticks) < 3 and time.monotonic() < end and not adopted():
             with link.changed:
                 if link.errors[-1:] != known:
                     raise link.errors.pop()  # refused at its tick
                 link.changed.wait(max(end - time.monotonic(), 0))
+                ticks.add(link.state.Tick())
         link.look(**self._view)
 
     def pause(self, paused=True):
