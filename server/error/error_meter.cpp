@@ -96,7 +96,7 @@ bool DrawnWith::operator==(const DrawnWith& other) const {
            a.shading == b.shading && a.shadow_error == b.shadow_error && own_of_a == own_of_b;
 }
 
-ErrorMeter::ErrorMeter(double share) : share_(share), credit_s_(kMostCredit) {
+ErrorMeter::ErrorMeter(double share, Time (*clock)()) : share_(share), clock_(clock), credit_s_(kMostCredit) {
     if (share > 0) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -240,7 +240,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     const std::scoped_lock lock(mutex_);
     if (found.empty() || job.epoch != epoch_ || !last_.contains(job.viewer)) return;
     const int accuracy = job.law > 0 ? accuracyOf(job.law) : 0;
-    const auto now = ErrorWindow::Time::clock::now();
+    const Time now = clock_();
     windows_[{job.viewer, job.with.settings.method, accuracy}].add(found, job.law, now);
     if (job.keeps) keep(job, discs, now);
     std::erase_if(windows_, [&](const auto& one) { return now - one.second.last() > ErrorWindow::kKept; });

@@ -50,8 +50,9 @@ class ErrorMeter {
 public:
     using Time = ErrorWindow::Time;
 
-    // `share`: part of one core's time that it may take, on average; 0: it measures nothing.
-    explicit ErrorMeter(double share);
+    // `share`: part of one core's time that it may take, on average; 0: it measures nothing. `clock`: gives what is
+    // measured its time.
+    explicit ErrorMeter(double share, Time (*clock)() = &Time::clock::now);
     ~ErrorMeter();
 
     bool measures() const { return share_ > 0; }
@@ -89,6 +90,7 @@ private:
     void measure(const MeterJob& job, const std::stop_token& stop);
 
     const double share_;
+    Time (*const clock_)();
     mutable std::mutex mutex_; // guards all below but the thread
     std::condition_variable_any given_;
     std::unique_ptr<MeterJob> free_, waiting_;
