@@ -24,7 +24,8 @@ struct ShownMedium {
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
                                                const ShownMedium& medium, wire::Role role);
 
-// Gives a command to the scene, or to the replay: why it is not taken now, or nothing. `input_seq`: its viewer's number.
+// Gives a command to the scene, or to the replay: why it is not taken now, or nothing. `input_seq`: the number that its
+// viewer gave it.
 std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, CommandBody body);
 
 } // namespace brume::net
