@@ -28,7 +28,8 @@ constexpr float kEmpty = 0.99999f;   // transmittance above which a pixel was dr
 constexpr uint64_t kLookAnyway = 16; // one in so many pixels without medium is traced, too
 constexpr size_t kNewest = 256;      // pixels of ViewError::newest
 constexpr uint32_t kParts = 16;      // parts of the rectangle, across and down; each gives one pixel
-constexpr int kLowestPriority = 19;
+// Below that of pictures. The lowest of all would keep the process from ending while others have work.
+constexpr int kPriority = 10;
 
 double threadSeconds() {
     timespec now{};
@@ -190,7 +191,7 @@ void ErrorMeter::keep(const MeterJob& job, std::span<const gpu::ErrorDisc> discs
 }
 
 void ErrorMeter::run(const std::stop_token& stop) {
-    [[maybe_unused]] const int set = ::setpriority(PRIO_PROCESS, id_t(::gettid()), kLowestPriority);
+    [[maybe_unused]] const int set = ::setpriority(PRIO_PROCESS, id_t(::gettid()), kPriority);
     for (;;) {
         std::unique_ptr<MeterJob> job;
         {
