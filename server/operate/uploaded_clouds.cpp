@@ -1,6 +1,7 @@
 #include "server/operate/uploaded_clouds.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kIncoming = "incoming"; // folder of those that are not known to be good
+constexpr const char* kIncoming = "incoming";     // folder of those that are not known to be good
+constexpr std::string_view kOwnFolder = "XXXXXX"; // as mkdtemp() has it
 
 // The first line of a scene that the server wrote, of this text and these points.
 std::string markOf(const std::string& text, const fs::path& points) {
@@ -38,10 +40,29 @@ bool isOurs(const fs::path& scene) {
     return text.starts_with(markOf(text.substr(begin), pointsOf(scene)));
 }
 
+[[noreturn]] void cannotWrite(const fs::path& file) {
+    throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
+}
+
 void write(const fs::path& file, const std::string& bytes) {
     std::ofstream out(file, std::ios::binary | std::ios::trunc);
     out << bytes << std::flush;
-    if (!out) throw SceneError(file.string() + ": cannot be written; --cloud-dir names another folder");
+    if (!out) cannotWrite(file);
+}
+
+// True: there is a file of that name, or a link, wherever it leads.
+bool isTaken(const fs::path& file) {
+    std::error_code error;
+    return fs::exists(fs::symlink_status(file, error));
+}
+
+// A new folder, so that nothing of others is in it.
+fs::path ownFolder(const fs::path& parent) {
+    std::error_code error;
+    fs::create_directories(parent, error);
+    std::string name = (parent / kOwnFolder).string();
+    if (!::mkdtemp(name.data())) cannotWrite(parent);
+    return name;
 }
 
 // What cannot be deleted stays.
@@ -61,9 +82,7 @@ void keepNewest(const fs::path& folder) {
 } // namespace
 
 UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& name, const std::string& points)
-    : kept_(folder / (name + ".toml")), points_(folder / kIncoming / (name + ".ply")) {
-    std::error_code ignored; // write() complains
-    fs::create_directories(points_.parent_path(), ignored);
+    : kept_(folder / (name + ".toml")), points_(ownFolder(folder / kIncoming) / (name + ".ply")) {
     try {
         write(points_, points);
     } catch (const SceneError&) {
@@ -74,8 +93,7 @@ UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& na
 
 void UploadedClouds::Incoming::discard() const {
     std::error_code ignored;
-    fs::remove(points_, ignored);
-    fs::remove(scene(), ignored);
+    fs::remove_all(points_.parent_path(), ignored);
 }
 
 fs::path UploadedClouds::Incoming::scene() const { return fs::path(points_).replace_extension(".toml"); }
@@ -92,8 +110,7 @@ fs::path UploadedClouds::Incoming::keep(const std::string& text) {
 
 UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std::string& points) const {
     const fs::path kept = folder_ / (name + ".toml");
-    std::error_code error;
-    if ((fs::exists(kept, error) || fs::exists(pointsOf(kept), error)) && !isOurs(kept))
+    if ((isTaken(kept) || isTaken(pointsOf(kept))) && !isOurs(kept))
         throw SceneError("there is a '" + name +
                          "' in --cloud-dir that this server did not upload, or that was changed: " +
                          "give another name with ?name=, or remove it there");
@@ -101,8 +118,13 @@ UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std
 }
 
 std::string UploadedClouds::withoutFolders(std::string complaint) const {
-    for (const std::string& folder : {(folder_ / kIncoming / "").string(), (folder_ / "").string()})
-        for (size_t at = 0; (at = complaint.find(folder, at)) != complaint.npos;) complaint.erase(at, folder.size());
+    const std::string incoming = (folder_ / kIncoming / "").string(), kept = (folder_ / "").string();
+    const auto erase = [&](const std::string& folder, size_t more) {
+        for (size_t at = 0; (at = complaint.find(folder, at)) != complaint.npos;)
+            complaint.erase(at, folder.size() + more);
+    };
+    erase(incoming, kOwnFolder.size() + 1);
+    erase(kept, 0);
     return complaint;
 }
 

@@ -231,7 +231,12 @@ TEST_F(Scenes, SigtermEndsALoadWhileViewersLookOn) {
     ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
     HttpConnection upload(server.port());
     upload.send(postHead("/cloud?name=many", points.size()) + "\r\n" + points);
-    ASSERT_TRUE(watch({&a}, [&] { return fs::exists(fs::path(clouds()) / "incoming" / "many.ply"); }));
+    const auto isComing = [&] {
+        std::error_code none; // there is no such folder yet
+        return std::ranges::any_of(fs::recursive_directory_iterator(fs::path(clouds()) / "incoming", none),
+                                   [](const auto& entry) { return entry.path().filename() == "many.ply"; });
+    };
+    ASSERT_TRUE(watch({&a}, isComing));
     server.process().signal(SIGTERM);
     EXPECT_TRUE(watch(
         {&a}, [&] { return a.goodbye.has_value(); }, kSoon));

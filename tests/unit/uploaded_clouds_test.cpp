@@ -103,9 +103,26 @@ TEST_F(UploadedCloudsTest, WhatCannotBeWrittenSaysSoAndLeavesNothing) {
     std::ofstream(folder) << "a file, no folder";
     EXPECT_NE(refusalOf("mine").find("--cloud-dir"), std::string::npos);
     fs::remove(folder);
-    fs::create_directories(folder / "incoming" / "mine.toml" / "in the way");
-    EXPECT_NE(refusalOf("mine"), "");
-    EXPECT_EQ(files(), std::set<std::string>{});
+    fs::create_directories(folder);
+    write("incoming", "a file, no folder");
+    EXPECT_NE(refusalOf("mine").find("--cloud-dir"), std::string::npos);
+    EXPECT_EQ(files(), std::set<std::string>{"incoming"});
+}
+
+TEST_F(UploadedCloudsTest, WhatLiesWhereUploadsComeStays) {
+    fs::create_directories(folder / "incoming");
+    write("incoming/mine.ply", "not the server's");
+    write("outside.txt", "nor this");
+    fs::create_symlink(folder / "outside.txt", folder / "incoming" / "linked.ply");
+    fs::create_symlink(folder / "nowhere", folder / "dangling.toml");
+    for (const char* name : {"mine", "linked"}) upload(name);
+    { const auto dropped = clouds.take("mine", "worse"); }
+    EXPECT_NE(refusalOf("dangling"), "");
+    EXPECT_TRUE(fs::is_symlink(folder / "dangling.toml"));
+    EXPECT_EQ(read("incoming/mine.ply"), "not the server's");
+    EXPECT_EQ(read("outside.txt"), "nor this");
+    EXPECT_EQ(read("linked.ply"), "points");
+    EXPECT_EQ(clouds.withoutFolders((folder / "incoming" / "aB3xyz" / "mine.ply").string() + ": no"), "mine.ply: no");
 }
 
 } // namespace
