@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/nearest.h"
+#include "common/plain_file.h"
 #include "common/settings.h"
 #include "common/settings_tables.h"
 #include "common/text.h"
@@ -36,6 +37,8 @@ std::shared_ptr<ConfigFile> addConfigFile(CLI::App& app) {
     const std::string file = from_environment ? from_environment : "";
     app.set_config("--config", file, "TOML file with any of these options as keys: max-viewers = 8", !file.empty())
         ->type_name("FILE");
+    const auto complaint = [](const std::string& name) { return isNoPlainFile(name) ? name + ": is not a file" : ""; };
+    app.get_config_ptr()->check(CLI::Validator(complaint, "", "config"));
     auto reader = std::make_shared<ConfigFile>(app);
     app.config_formatter(reader);
     return reader;

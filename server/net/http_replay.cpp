@@ -48,6 +48,12 @@ asio::awaitable<bool> HttpConnection::seek(const HttpRequest& request, std::stri
     if (reached.number > number)
         co_return co_await send(request, "seek", lineReply(409, "another seek came after this one"));
     if (reached.number < number) co_return co_await sendLater(request, "seek", "the tick is not reached yet");
+    if (reached.tick != *tick)
+        co_return co_await send(
+            request, "seek",
+            lineReply(500, fmt::format("still at tick {}: the recording cannot be read again, since "
+                                       "its file was changed; the log says what is wrong",
+                                       reached.tick)));
     Reply reply = lineReply(200, fmt::format("at tick {}", reached.tick));
     reply.headers = {{"Brume-Tick", fmt::format("{}", reached.tick)},
                      {"Brume-State", fmt::format("{:016x}", reached.state_hash)},

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <openssl/crypto.h>
 
+#include "common/plain_file.h"
 #include "server/net/secret_file.h"
 
 namespace brume::net {
@@ -27,6 +28,8 @@ Tls::Tls(const std::filesystem::path& certificate, const std::filesystem::path& 
     // Renegotiation is off: no client needs it, and it costs the server more than the client.
     SSL_CTX_set_options(context.native_handle(), SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE);
     SSL_CTX_set_mode(context.native_handle(), SSL_MODE_RELEASE_BUFFERS); // idle connections keep no buffers
+    if (isNoPlainFile(certificate))
+        throw std::runtime_error(fmt::format("--tls-certificate {}: is not a file", certificate.string()));
     context.use_certificate_chain_file(certificate.string(), error);
     check("--tls-certificate", certificate);
     // A key with a password is refused; without this OpenSSL would ask for the password on the terminal.

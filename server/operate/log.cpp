@@ -1,6 +1,7 @@
 #include "server/operate/log.h"
 
 #include <ctime>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -40,6 +41,8 @@ void startLog(const std::string& level, const std::string& format, const std::fi
     spdlog::sink_ptr sink;
     if (file.empty())
         sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+    else if (std::error_code error; std::filesystem::is_fifo(file, error)) // to open it waits for a reader
+        throw std::runtime_error(fmt::format("--log-file {}: is a pipe; allowed: a file", file.string()));
     else
         sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string());
     auto logger = std::make_shared<spdlog::logger>("brume", sink);

@@ -28,9 +28,10 @@ ReplayTicks::ReplayTicks(std::filesystem::path file, std::shared_ptr<ReplayContr
 }
 
 void ReplayTicks::open() {
-    recorded_.reset();
-    recording_ = std::make_unique<RecordingReader>(file_);
-    recorded_ = std::make_unique<RecordedTicks>(*recording_);
+    auto recording = std::make_unique<RecordingReader>(file_);
+    auto recorded = std::make_unique<RecordedTicks>(*recording);
+    recorded_ = std::move(recorded); // it reads what follows
+    recording_ = std::move(recording);
     tick_ = recording_->head().tick;
 }
 
@@ -44,7 +45,14 @@ std::optional<std::vector<std::byte>> ReplayTicks::beginning() {
         arrive();
         return {};
     }
-    open();
+    try {
+        open();
+    } catch (const RecordingError& error) { // somebody changed the file
+        spdlog::error("no seek to tick {}: {}", wanted.tick, error.what());
+        target_.reset();
+        control_->arrived({number_, tick_, state_hash_}); // where it is
+        return {};
+    }
     return start_;
 }
 

@@ -15,6 +15,12 @@ std::unique_ptr<Process> startProgram(const std::string& program, const std::vec
     return std::make_unique<Process>(command, environment);
 }
 
+size_t timesIn(const std::string& text, const std::string& words) {
+    size_t count = 0;
+    for (size_t at = 0; (at = text.find(words, at)) != text.npos; at += words.size()) ++count;
+    return count;
+}
+
 client::Bytes contentOf(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};

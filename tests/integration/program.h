@@ -14,6 +14,8 @@ namespace brume::test {
 std::unique_ptr<Process> startProgram(const std::string& program, const std::vector<std::string>& arguments,
                                       const std::vector<std::string>& environment = {});
 
+size_t timesIn(const std::string& text, const std::string& words);
+
 client::Bytes contentOf(const std::filesystem::path& file);
 
 // Expects that the process ends by itself with an error status and exactly one line on standard error, which contains

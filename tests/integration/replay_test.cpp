@@ -22,12 +22,6 @@ HttpReply post(uint16_t port, const std::string& target) {
     return connection.readReply();
 }
 
-size_t timesIn(const std::string& text, const std::string& words) {
-    size_t count = 0;
-    for (size_t at = 0; (at = text.find(words, at)) != text.npos; at += words.size()) ++count;
-    return count;
-}
-
 class Look : public testing::Test {
 protected:
     static inline const std::filesystem::path file_ =
@@ -129,6 +123,22 @@ TEST_F(Look, ItPausesSeeksAndTakesNothingElse) {
     setPaused(watcher, true);
     EXPECT_EQ(post(server.port(), "/resume").status, 200);
     EXPECT_EQ(watcher.errors.size(), 1u);
+}
+
+TEST_F(Look, AFileThatWasReplacedIsToldOfAndEndsNothing) {
+    const std::filesystem::path copy = file_.string() + "-copy";
+    std::filesystem::copy_file(file_, copy);
+    RunningServer server({"--replay", copy.string(), "--look"});
+    ASSERT_EQ(post(server.port(), "/pause").status, 200);
+    const std::string there = post(server.port(), fmt::format("/seek?tick={}", last_)).headers.at("brume-tick");
+    std::filesystem::remove(copy); // what is open stays readable
+    std::ofstream(copy) << "something else\n";
+    const HttpReply refused = post(server.port(), "/seek?tick=1");
+    EXPECT_EQ(refused.status, 500);
+    EXPECT_EQ(refused.body.find("still at tick " + there), 0u) << refused.body;
+    EXPECT_EQ(get(server.port(), "/snapshot.png?w=64&h=36").headers.at("brume-state"), hashAt(last_));
+    server.process().signal(SIGTERM);
+    EXPECT_EQ(server.process().exitCode(), 0) << server.process().err();
 }
 
 TEST_F(Look, AServerThatIsNoReplayDoesNotSeek) {

@@ -9,6 +9,7 @@
 #include <map>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace brume {
@@ -66,6 +67,14 @@ TEST_F(ServerOptionsTest, AValueOutOfRangeIsToldTheRangeAndItsUnit) {
         const ParsedOptions options = parsed({flag, value});
         EXPECT_FALSE(options.options);
         EXPECT_TRUE(options.complaint.starts_with(line)) << options.complaint;
+    }
+}
+
+TEST_F(ServerOptionsTest, APipeIsNoConfiguration) {
+    ASSERT_EQ(mkfifo(file.c_str(), 0600), 0);
+    for (const ParsedOptions& options : {parsed({"--config", file.c_str()}), parsed({}, {{"BRUME_CONFIG", file}})}) {
+        EXPECT_FALSE(options.options) << "to open it would wait for its writer";
+        EXPECT_NE(options.complaint.find(file.string() + ": is not a file"), std::string::npos) << options.complaint;
     }
 }
 
