@@ -8,7 +8,8 @@
 
 namespace brume::net {
 
-namespace http = boost::beast::http;
+namespace beast = boost::beast;
+namespace http = beast::http;
 
 namespace {
 
@@ -84,6 +85,11 @@ std::optional<Reply> unfit(const boost::system::error_code& error, const Request
     // RFC 9112, 3.2. A request of HTTP/1.0 may have none: it comes from a simple health check, not from a browser.
     const size_t hosts = request.count(http::field::host);
     if (hosts > 1 || (hosts == 0 && request.version() >= 11)) return refuse(400, "a request has one Host header");
+    if (request.count(http::field::origin) > 1) return refuse(400, "a request has one Origin header");
+    // RFC 9112, 6.1: other codings than chunked are not known here.
+    if (const auto coding = request[http::field::transfer_encoding];
+        !coding.empty() && !beast::iequals(coding, "chunked"))
+        return refuse(501, "allowed: Transfer-Encoding: chunked, or none");
     return {};
 }
 

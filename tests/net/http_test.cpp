@@ -190,6 +190,11 @@ TEST_F(HttpTest, WrongRequestsAreToldSoInOneLine) {
     EXPECT_EQ(answerTo("POST /puase HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), 404);
     EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\nabc"), 413);
     EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"), 413);
+    EXPECT_EQ(answerTo("POST /cloud HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n"),
+              501);
+    EXPECT_EQ(
+        answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nOrigin: http://localhost\r\nOrigin: https://a.example\r\n\r\n"),
+        400);
     EXPECT_EQ(answerTo("GET /" + std::string(3000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414);
     EXPECT_EQ(answerTo("GET /" + std::string(20000, 'a') + " HTTP/1.1\r\nHost: localhost\r\n\r\n"), 414);
     EXPECT_EQ(answerTo("GET / HTTP/1.1\r\nHost: localhost\r\nCookie: " + std::string(20000, 'a') + "\r\n\r\n"), 431);
