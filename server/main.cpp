@@ -7,9 +7,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 
+#include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include "common/scene_text.h"
 #include "protocol/net/address.h"
@@ -234,6 +237,16 @@ void keepLittleMemory() {
     mallopt(M_TRIM_THRESHOLD, 2 << 20); // bytes that are free at the end of a thread's heap, at most
 }
 
+// A driver for CPUs keeps memory of the device in a file without a name. One that may not grow ends the process by a
+// signal when it is written to.
+void checkFileLimit() {
+    constexpr rlim_t kLeast = 64 << 20; // bytes
+    rlimit files{};
+    if (::getrlimit(RLIMIT_FSIZE, &files) == 0 && files.rlim_cur < kLeast)
+        throw std::runtime_error(fmt::format(
+            "files may have {} bytes at most here; allowed: 64 MiB or more (ulimit -f)", uint64_t{files.rlim_cur}));
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -261,6 +274,7 @@ int main(int argc, char** argv) {
     try {
         const ServerOptions& options = *parsed.options;
         startLog(options.log_level, options.log_format, options.log_file);
+        checkFileLimit();
         Ending ending(signals);
         if (options.replay.empty() || options.look)
             serve(parsed, argc, argv, signals, ending);

@@ -80,7 +80,7 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
     return std::move(read.body);
 }
 
-std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, CommandBody body) {
+std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, const CommandBody& body) {
     if (ReplayControl* const replay = audience.replay()) {
         const std::optional<bool> paused = pauseOf(body);
         if (paused) replay->paused = *paused;

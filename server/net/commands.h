@@ -26,6 +26,6 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
 
 // Gives a command to the scene, or to the replay: why it is not taken now, or nothing. `input_seq`: the number that its
 // viewer gave it.
-std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, CommandBody body);
+std::optional<Refusal> giveCommand(Audience& audience, uint32_t viewer, uint32_t input_seq, const CommandBody& body);
 
 } // namespace brume::net

@@ -71,7 +71,7 @@ private:
     void carryOut(Effects& effects);
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
-    void command(EnqueueCommand&& given);
+    void command(const EnqueueCommand& given);
     wire::Packed newPing();
     void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
@@ -272,7 +272,7 @@ void WebSocketSession::carryOut(Effects& effects) {
         void operator()(SetPose& e) {
             if (s.handle_) s.handle_->viewer().setPose(e.request);
         }
-        void operator()(EnqueueCommand& e) { s.command(std::move(e)); }
+        void operator()(EnqueueCommand& e) { s.command(e); }
         void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
         void operator()(Ponged& e) { s.ponged(e.nonce); }
         void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
@@ -319,9 +319,9 @@ void WebSocketSession::acknowledge(uint32_t frame) {
     carryOut(refusal);
 }
 
-void WebSocketSession::command(EnqueueCommand&& given) {
+void WebSocketSession::command(const EnqueueCommand& given) {
     const std::optional<Refusal> refusal =
-        giveCommand(context_->audience, handle_->viewer().id(), given.seq, std::move(given.body));
+        giveCommand(context_->audience, handle_->viewer().id(), given.seq, given.body);
     if (!refusal) return;
     context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
     enqueue(packError(refusal->code, refusal->text, given.seq));

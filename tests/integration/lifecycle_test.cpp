@@ -136,6 +136,12 @@ TEST(Lifecycle, EveryBadStartEndsInOneClearLine) {
     std::filesystem::remove(scene);
 }
 
+TEST(Lifecycle, FilesThatMayNotGrowAreToldOf) {
+    const auto process =
+        startProgram("/bin/sh", {"-c", "ulimit -f 1024; exec \"$0\" \"$@\"", BRUME_SERVER, "--port", "0"});
+    test::expectOneLine(*process, "ulimit -f");
+}
+
 TEST(Lifecycle, ATakenPortEndsInOneClearLine) {
     RunningServer server;
     const std::string port = std::to_string(server.port());
