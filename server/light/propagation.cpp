@@ -1,6 +1,7 @@
 #include "server/light/propagation.h"
 
-#include <cstring>
+#include <algorithm>
+#include <span>
 
 #include "server/inputs/multiple_block.h"
 #include "server/light/flux_sizes.h"
@@ -46,8 +47,9 @@ void Propagation::fit(gpu::Commands& commands, uint32_t side, uint32_t layers) {
 }
 
 bool Propagation::Key::operator==(const Key& other) const {
-    return std::memcmp(&tick, &other.tick, sizeof tick) == 0 && propagation == other.propagation &&
-           objects == other.objects && features == other.features && hue_parts == other.hue_parts;
+    return std::ranges::equal(std::as_bytes(std::span(&tick, 1)), std::as_bytes(std::span(&other.tick, 1))) &&
+           propagation == other.propagation && objects == other.objects && features == other.features &&
+           hue_parts == other.hue_parts;
 }
 
 const Propagation::Programs& Propagation::programsFor(const SceneFeatures& features, bool surfaces) {

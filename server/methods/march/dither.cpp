@@ -24,14 +24,14 @@ std::vector<float> bayer(uint32_t levels) {
 }
 
 std::vector<float> white() {
-    constexpr uint32_t kSide = 8;
-    std::vector<uint32_t> shuffled(kSide * kSide), numbers(kPixels);
+    constexpr uint32_t kSide = 8, kNumbers = kSide * kSide;
+    std::vector<uint32_t> shuffled(kNumbers), numbers(kPixels);
     std::iota(shuffled.begin(), shuffled.end(), 0u);
     std::mt19937 bits(5); // NOLINT(cert-msc32-c,cert-msc51-cpp): a usual shuffle, the same everywhere
     for (auto i = uint32_t(shuffled.size()); i-- > 1;) std::swap(shuffled[i], shuffled[bits() % (i + 1)]);
     for (uint32_t i = 0; i < kPixels; ++i)
-        numbers[i] = shuffled[i / kDitherSide % kSide * kSide + i % kDitherSide % kSide];
-    return offsetsOf(numbers, kSide * kSide);
+        numbers[i] = shuffled[size_t(i) / kDitherSide % kSide * kSide + i % kDitherSide % kSide];
+    return offsetsOf(numbers, kNumbers);
 }
 
 // Pixels that are set on a torus, and how crowded each place is: a sum of Gaussians around them.
@@ -51,8 +51,8 @@ public:
         set_[i] ^= 1;
         const uint32_t x = i % kDitherSide, y = i / kDitherSide;
         for (uint32_t row = 0; row < kDitherSide; ++row) {
-            const double* from = &gaussian_[(row + kDitherSide - y) % kDitherSide * kDitherSide];
-            double* to = &crowded_[row * kDitherSide];
+            const double* from = &gaussian_[size_t(row + kDitherSide - y) % kDitherSide * kDitherSide];
+            double* to = &crowded_[size_t(row) * kDitherSide];
             for (uint32_t column = 0; column < kDitherSide; ++column)
                 to[column] += sign * from[(column + kDitherSide - x) % kDitherSide];
         }

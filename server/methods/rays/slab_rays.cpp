@@ -271,7 +271,7 @@ VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid
     const gpu::FieldPlanes planes{.quantities = gpu::fieldQuantities(coloursOf(in)),
                                   .faces = features_.opaque ? grid.front + grid.slabs + grid.back + 1 : 0};
     return VkDeviceSize(grid.nodes.x) * grid.nodes.y * gpu::planesOf(planes) +
-           gpu::endPlanes(planes) * (gpu::kFieldKept + grid.caster_words) * grid.lines.x * grid.lines.y;
+           VkDeviceSize(gpu::endPlanes(planes)) * (gpu::kFieldKept + grid.caster_words) * grid.lines.x * grid.lines.y;
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {

@@ -55,7 +55,7 @@ LightMaps mapsOf(const std::filesystem::path& name) {
         const size_t first = maps.positive.size();
         for (uint32_t y = 0; y < maps.side; ++y)
             for (uint32_t x = 0; x < maps.side; ++x) {
-                const size_t at = size_t(y) * positive.width + frame * maps.side + x;
+                const size_t at = size_t(y) * positive.width + size_t(frame) * maps.side + x;
                 const glm::vec4 one = glm::vec4(positive.rgba[at]) / 255.0f,
                                 other = glm::vec4(negative.rgba[at]) / 255.0f;
                 const float depth = -std::log1p(-std::min(one.a, 254.0f / 255));

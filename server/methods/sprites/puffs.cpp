@@ -101,8 +101,8 @@ void bake(uint32_t frame, LightMaps& maps) {
             opacities += double(opacity);
             for (int way = 0; way < 6; ++way) sums[way] += double(light[way]);
             const float per = 1 / std::max(opacity, 1e-6f); // light per opacity: 1 in a puff without shadows
-            maps.positive[first + row * kSide + x] = {light[0] * per, light[1] * per, light[2] * per, depth};
-            maps.negative[first + row * kSide + x] = {light[3] * per, light[4] * per, light[5] * per, 0};
+            maps.positive[first + size_t(row) * kSide + x] = {light[0] * per, light[1] * per, light[2] * per, depth};
+            maps.negative[first + size_t(row) * kSide + x] = {light[3] * per, light[4] * per, light[5] * per, 0};
         }
     // Particles are dimmed by their own ball already: what is left is how light differs within a puff.
     for (size_t i = first; i < first + size_t(kSide) * kSide; ++i)
