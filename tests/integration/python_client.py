@@ -177,6 +177,24 @@ class Package(unittest.TestCase):
         view.look(fov=0.8)
         view.frame()  # it goes on
 
+    def test_what_is_wrong_here_spoils_nothing_that_follows(self):
+        view = self.viewer()
+        for line, act in (('medium.albedo: 2 numbers; allowed: three', lambda: view.set('medium.albedo', (1, 1))),
+                          ('size is .*: allowed', lambda: view.look(size=(99999, 5))),
+                          ('finite', lambda: view.look(position=(float('nan'), 0, 0)))):
+            with self.assertRaisesRegex(brume.BrumeError, line):
+                act()
+            view.set('render.exposure', view.state.settings['render.exposure'])
+            self.assertEqual(view.frame().width, 160)
+
+    def test_a_picture_is_saved_as_its_name_says(self):
+        frame = self.viewer().frame()
+        with tempfile.TemporaryDirectory() as folder:
+            for name, begin in (('one.png', b'\x89PNG'), ('one.jpg', b'\xff\xd8\xff'), ('one', b'\xff\xd8\xff')):
+                path = pathlib.Path(folder) / name
+                frame.save(path)
+                self.assertTrue(path.read_bytes().startswith(begin), name)
+
     def test_a_standstill_is_told(self):
         view = self.viewer()
         self.assertIsNone(view.state.standstill)

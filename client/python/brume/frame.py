@@ -39,9 +39,14 @@ class Frame:
         return self.pictures[0]
 
     def save(self, path, eye=0):
-        """Writes the bytes as they came."""
+        """Writes the bytes as they came, JPEG or PNG; as the other kind where the path ends so."""
+        data = self.pictures[eye]
+        is_png = data.startswith(b'\x89PNG')
+        if str(path).lower().endswith(('.jpg', '.jpeg') if is_png else '.png'):
+            self.image(eye).save(path)
+            return
         with open(path, 'wb') as file:
-            file.write(self.pictures[eye])
+            file.write(data)
 
     def image(self, eye=0):
         """The picture as a PIL image."""

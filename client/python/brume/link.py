@@ -112,13 +112,14 @@ class Link:
             if not self.welcome:
                 raise BrumeError('not connected: the command was not sent')
             self._look_away()
+            made = [messages.order(self._input + 1 + i, build) for i, build in enumerate(builds)]
+            longest = max(map(len, made), default=0)
+            if longest > messages.MOST_BYTES:
+                raise BrumeError(f'a command of {longest} bytes is too long: {messages.MOST_BYTES} are allowed',
+                                 'out_of_range')
             numbers = []
-            for build in builds:
+            for data in made:
                 self._input += 1
-                data = messages.order(self._input, build)
-                if len(data) > messages.MOST_BYTES:
-                    raise BrumeError(f'a command of {len(data)} bytes is too long: {messages.MOST_BYTES} are allowed',
-                                     'out_of_range')
                 numbers.append(self._input)
                 self._awaited.add(self._input)
                 self._send(data)

@@ -143,6 +143,8 @@ def _changes(b, values, start):
         if text is not None:
             Change.AddText(b, text)
         elif hasattr(value, '__len__'):
+            if len(value) != 3:
+                raise BrumeError(f'{path}: {len(value)} numbers; allowed: three, or one', 'out_of_range')
             Change.AddVector(b, _vec3(b, value))
         else:
             Change.AddNumber(b, float(value))

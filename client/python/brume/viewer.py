@@ -138,6 +138,10 @@ class Viewer:
             if view not in messages.VIEWS:
                 raise BrumeError(f'no view {view!r}; there are {" ".join(messages.VIEWS)}', 'out_of_range')
             wish['view'] = view
+        if not all(1 <= side <= 0xffff for side in wish['size']):
+            raise BrumeError(f'size is {wish["size"]}: allowed are two whole numbers from 1 to 65535', 'out_of_range')
+        if not all(map(math.isfinite, (*wish['position'], *wish['orientation'], wish['fov']))):
+            raise BrumeError('a camera has finite numbers', 'out_of_range')
         self._view = wish
         self._link.look(**wish)
 
