@@ -55,6 +55,7 @@ Process::Process(const std::vector<std::string>& command, const std::vector<std:
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         dup2(out[1], STDOUT_FILENO);
         dup2(err[1], STDERR_FILENO);
+        close_range(STDERR_FILENO + 1, ~0U, 0); // a socket that listens, too: the child would keep its port
         execve(argv[0], argv.data(), envp.data());
         _exit(127);
     }

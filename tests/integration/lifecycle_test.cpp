@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/integration/http.h"
 #include "tests/integration/program.h"
@@ -134,6 +135,15 @@ TEST(Lifecycle, EveryBadStartEndsInOneClearLine) {
     std::ofstream(scene) << "[medium]\nlayuot = 'cube'\n";
     expectOneLine({"--port", "0", "--scene", scene.string()}, scene.string() + ":2: medium.layuot");
     std::filesystem::remove(scene);
+}
+
+// A socket among them would keep the server's port after the server was killed.
+TEST(Lifecycle, AProgramThatIsStartedHasNoneOfOurFiles) {
+    const int ours = ::dup(STDERR_FILENO);
+    const auto process =
+        startProgram("/bin/sh", {"-c", "test ! -e /proc/$$/fd/" + std::to_string(ours) + " && test -e /proc/$$/fd/2"});
+    EXPECT_EQ(process->exitCode(), 0);
+    ::close(ours);
 }
 
 TEST(Lifecycle, FilesThatMayNotGrowAreToldOf) {
