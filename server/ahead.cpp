@@ -22,6 +22,8 @@ namespace {
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
 constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
 constexpr uint32_t kMostSteps = 12;                            // of overload
+// Niceness. With 19 it would hardly get on beside other programs, and pictures wait for what it makes.
+constexpr int kNiceness = 10;
 // s of CPU time with the server's own priority. A driver that knows the shaders is done with most of them, and the
 // server may measure errors; one that compiles them would take a core from the pictures for half a minute.
 constexpr double kSoon = 1.5;
@@ -54,7 +56,7 @@ public:
 
 private:
     // Lowers the priority for good.
-    static void stepBehind() { [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, 19); }
+    static void stepBehind() { [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, kNiceness); }
     void tell() {
         for (const std::string& pipeline : std::exchange(pipelines_, {})) out_ << kPipeline << pipeline << '\n';
         if (const auto way = std::exchange(drawn_, std::nullopt)) out_ << kCompiled << text(*way) << '\n';

@@ -32,7 +32,7 @@ void makePipelines(const Scene& scene, const gpu::Device& device, bool still);
 
 // False: a second process with the scene may need more memory than it is worth.
 bool isWorthCompiling(const Scene& scene);
-// Starts compileAhead() in a child process, soon of lowest priority. `command`: the server's, for this scene.
+// Starts compileAhead() in a child process, soon of low priority. `command`: the server's, for this scene.
 // `overrides`: as for --set. `on_line` is called on another thread when it has compiled something. The process ends
 // with the returned object. Null if no process can be started.
 std::unique_ptr<Process> startAhead(std::vector<std::string> command, std::span<const std::string> overrides,
