@@ -23,7 +23,7 @@ constexpr int64_t kSecond = 1'000'000'000; // ns
 
 struct Engine::State {
     void read(const std::stop_token& stop);
-    Subscription subscribe(uint64_t from);
+    Subscription subscribe(uint64_t from) const;
     kvStore* values();
     std::string stream() const { return "brume-" + options.log; }
     std::string subject() const { return "brume." + options.log + ".log"; }
@@ -171,7 +171,7 @@ bool Engine::take(std::vector<Stored>& out) {
 
 // A consumer of its own that acknowledges nothing. A gap in the sequences is noticed by who takes the messages, so
 // nothing of it is left to the library.
-Subscription Engine::State::subscribe(uint64_t begin) {
+Subscription Engine::State::subscribe(uint64_t begin) const {
     const std::string name = stream(), of = subject();
     jsSubOptions wanted;
     jsSubOptions_Init(&wanted);

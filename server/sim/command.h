@@ -11,9 +11,11 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
+#include <fmt/format.h>
 #include <glm/glm.hpp>
 
 #include "common/settings.h"
@@ -116,10 +118,14 @@ public:
         const std::scoped_lock lock(mutex_);
         return priced_out_ && pending_.empty();
     }
-    // True: push() refuses this for its price.
-    bool isTooDear(const CommandBody& body) const {
+    // Of a command that push() refuses for its price, in ms of a picture: what it takes, and what is left.
+    struct TooDear {
+        double price, left;
+    };
+    std::optional<TooDear> tooDear(const CommandBody& body) const {
         const std::scoped_lock lock(mutex_);
-        return priceOf(body) > prices_.left;
+        const TooDear answer{priceOf(body), prices_.left};
+        return answer.price > answer.left ? std::optional(answer) : std::nullopt;
     }
     // `wake` is called after each push, with a lock held: it may not use the queue. Null: nobody is told.
     void serve(std::function<void()> wake) {
@@ -177,11 +183,12 @@ private:
 };
 
 // Why it refuses a command, in one line.
-inline const char* whyRefused(const CommandQueue& queue, const CommandBody& body) {
+inline std::string whyRefused(const CommandQueue& queue, const CommandBody& body) {
     const char* const closed = queue.closed();
-    if (!closed && queue.isTooDear(body))
-        return "with more a picture would take too long: remove a light or an object first, or add lights without "
-               "shadows; the server's --most-frame-time bounds it";
+    if (const auto dear = closed ? std::nullopt : queue.tooDear(body))
+        return fmt::format("with more a picture would take {:.0f} ms longer, and {:.0f} are left: remove a light or an "
+                           "object first, or add lights without shadows; the server's --most-frame-time bounds it",
+                           dear->price, dear->left);
     return closed ? closed : "too many commands wait: try again";
 }
 

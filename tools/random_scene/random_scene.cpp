@@ -152,7 +152,7 @@ RandomScene randomScene(uint64_t seed, RandomKind kind) {
 
 std::filesystem::path save(const RandomScene& random, const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder);
-    const std::filesystem::path toml = folder / (fileName(random) + ".toml");
+    std::filesystem::path toml = folder / (fileName(random) + ".toml");
     std::ofstream ply(folder / random.scene.medium.file, std::ios::binary);
     ply << "ply\nformat binary_little_endian 1.0\nelement vertex " << random.points.position.size() << '\n';
     for (const char* property : {"x", "y", "z", "scale", "sigma_t", "red", "green", "blue"})
