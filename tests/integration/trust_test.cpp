@@ -67,7 +67,7 @@ TEST_F(Trust, OffLoopbackTheServerDoesNotStartWithoutAKeyOrOpen) {
     expectOneLine(*startServer({"--token-key", key, "--make-token", "viewer", "--valid-for", "86401"}), "--valid-for");
     write(key, "short");
     expectOneLine(*startServer({"--token-key", key}), "32 to 4096 bytes");
-    expectOneLine(*startServer({"--token-key", (folder / "none").string()}), "No such file");
+    expectOneLine(*startServer({"--token-key", (folder / "none").string()}), "there is no such file");
 }
 
 TEST_F(Trust, OpenIsDeliberateAndTheLogWarns) {

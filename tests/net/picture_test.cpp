@@ -120,7 +120,7 @@ TEST_F(PictureTest, WithoutFramesPicturesEndIn503) {
         const auto answer = get(port, path);
         EXPECT_EQ(answer.status, 503) << path;
         EXPECT_NE(answer.header("Retry-After"), "") << path;
-        EXPECT_NE(answer.body.find("/readyz"), std::string::npos) << path;
+        EXPECT_NE(answer.body.find("ask again"), std::string::npos) << path;
     }
     EXPECT_TRUE(eventually([&] { return audience->size() == 0; }));
 }

@@ -64,7 +64,7 @@ TEST_F(TokenKey, ThatOthersMayReadOrChangeIsNoSecret) {
 }
 
 TEST_F(TokenKey, IsAFileThatIsThere) {
-    refused("No such file");
+    refused("there is no such file");
     fs::create_directory(file);
     refused("is not a file");
 }
