@@ -16,8 +16,9 @@ namespace {
 // where others have work. To raise it takes CAP_SYS_NICE or RLIMIT_NICE: without, it stays.
 void hurry() {
     std::error_code error;
-    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", error))
-        ::setpriority(PRIO_PROCESS, id_t(std::strtoul(thread.path().filename().c_str(), nullptr, 10)), 0);
+    std::filesystem::directory_iterator thread("/proc/self/task", error);
+    for (; !error && thread != std::filesystem::directory_iterator(); thread.increment(error))
+        ::setpriority(PRIO_PROCESS, id_t(std::strtoul(thread->path().filename().c_str(), nullptr, 10)), 0);
 }
 
 [[noreturn]] void endNow(int code) {

@@ -10,7 +10,7 @@
 namespace brume {
 
 std::string readTokenKey(const std::filesystem::path& file) {
-    std::error_code unknown; // what keeps from looking keeps from reading, too
+    std::error_code unknown; // why the file cannot be looked for; readSecret() says the same of reading it
     if (!std::filesystem::exists(file, unknown) && !unknown)
         throw std::runtime_error(
             fmt::format("--token-key {0}: there is no such file; make one: (umask 077; head -c 32 /dev/urandom > {0})",

@@ -131,7 +131,7 @@ TEST_F(Look, AFileThatWasReplacedIsToldOfAndEndsNothing) {
     RunningServer server({"--replay", copy.string(), "--look"});
     ASSERT_EQ(post(server.port(), "/pause").status, 200);
     const std::string there = post(server.port(), fmt::format("/seek?tick={}", last_)).headers.at("brume-tick");
-    std::filesystem::remove(copy); // what is open stays readable
+    std::filesystem::remove(copy); // the server still has the old file open
     std::ofstream(copy) << "something else\n";
     const HttpReply refused = post(server.port(), "/seek?tick=1");
     EXPECT_EQ(refused.status, 500);
