@@ -9,6 +9,11 @@ constexpr std::chrono::milliseconds kActEvery{250}, kCleanFor{1000}, kTakenBack{
 constexpr float kQueueTooLong = 50, kQueueClean = 20; // ms
 constexpr double kTooMuch = 1.5, kSpare = 0.8;        // parts of the frame budget
 
+QualityStep keepingSize(QualityStep step, bool keeps_size) {
+    if (keeps_size && std::exchange(step.half, false)) step.every = uint8_t(4 * step.every);
+    return step;
+}
+
 } // namespace
 
 QualityStep QualityControl::stepAt(uint32_t level) {
@@ -24,11 +29,12 @@ QualityStep QualityControl::deviceStepAt(uint32_t level) {
 
 QualityStep QualityControl::step(bool keeps_size) const {
     const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);
-    QualityStep both{std::min(link.quality, device.quality), link.half || device.half,
-                     std::max(link.every, device.every)};
-    if (keeps_size && std::exchange(both.half, false)) both.every = uint8_t(4 * both.every);
-    return both;
+    return keepingSize(
+        {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)},
+        keeps_size);
 }
+
+QualityStep QualityControl::linkStep(bool keeps_size) const { return keepingSize(stepAt(level_), keeps_size); }
 
 Reduced QualityControl::reduced() const {
     const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);

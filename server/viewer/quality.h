@@ -55,6 +55,8 @@ public:
     // The lower of both levels' steps, in each part. `keeps_size`: true for a quarter of the rate in place of half the
     // sides, which is as many pixels a second.
     QualityStep step(bool keeps_size = false) const;
+    // The link's step alone: of a picture that comes once, which is no load that lasts.
+    QualityStep linkStep(bool keeps_size = false) const;
     // What has the lower step in size and rate; the link where they are equal, since it has JPEG quality besides.
     Reduced reduced() const;
 

@@ -23,6 +23,11 @@ double fitted(double part, double before) {
     return kSteps[std::size(kSteps) - 1];
 }
 
+void scale(PoseRequest& request, double side) {
+    request.width = uint16_t(std::max(request.width * side, 1.0));
+    request.height = uint16_t(std::max(request.height * side, 1.0));
+}
+
 } // namespace
 
 double pixelsOf(const PoseRequest& request) { return double(request.width) * request.height * request.views; }
@@ -136,19 +141,25 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = this->step();
     PoseRequest request = *pose_;
-    fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
+    if (!still_picture) fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
     request.reduced = fit_ < 1 ? Reduced::device : quality_.reduced();
     request.quality = std::min(request.quality, step.quality);
-    const double side = std::min(step.half ? 0.5 : 1.0, fit_);
-    request.width = uint16_t(std::max(request.width * side, 1.0));
-    request.height = uint16_t(std::max(request.height * side, 1.0));
-    if (made_ && scene && scene == scene_ && samePictures(*made_, request)) {
+    scale(request, std::min(step.half ? 0.5 : 1.0, fit_));
+    PoseRequest at_rest = request; // what a busy device makes smaller in motion comes whole at rest
+    at_rest.width = pose_->width, at_rest.height = pose_->height;
+    scale(at_rest, std::min(quality_.linkStep(pose_->keeps_size).half ? 0.5 : 1.0, fit_));
+    const bool rests =
+        made_ && scene && scene == scene_ && (samePictures(*made_, request) || samePictures(*made_, at_rest));
+    if (rests) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless =
             made_detail_ == Detail::still && request.takes_png && request.show != kShowsErrors && !pacing_.bytes();
         const bool collects = request.show == kShowsErrors && measurable_ && now - made_at_ >= kMeasuresEvery;
         if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
-        if (quality_.level() > 0 || quality_.deviceLevel() > 0 || now - made_at_ < kRestsFor) return {};
+        if (quality_.level() > 0 || now - made_at_ < kRestsFor) return {};
+        if (pixelsOf(at_rest) <= most_pixels) request = at_rest;
+        if (pixelsOf(request) < pixelsOf(*made_)) request.width = made_->width, request.height = made_->height;
+        request.reduced = request.width < pose_->width ? Reduced::device : Reduced::no;
         request.still_picture = true;
         request.lossless = lossless;
         request.quality = std::max(request.quality, kStillQuality);
@@ -159,7 +170,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         held_back_ = held_back_ || pacing_.isHeldByBytes();
         return {};
     }
-    if (skipped_ + 1 < step.every) {
+    if (!still_picture && skipped_ + 1 < step.every) {
         ++skipped_;
         return {};
     }
@@ -185,7 +196,10 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
     made_at_ = now;
     if (!request.still_picture) measurable_ = true;
-    if (!request.still_picture || request.one_shot) made_ = request;
+    if (!request.still_picture || request.one_shot)
+        made_ = request;
+    else if (made_)
+        made_->width = request.width, made_->height = request.height;
     scene_ = scene;
     return Due{issued_, request, again};
 }

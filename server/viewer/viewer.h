@@ -87,7 +87,8 @@ public:
     // together; a larger picture is made smaller, in steps. `still_picture`: asks for refinements of a still picture
     // instead. First, after 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a
     // link that does not queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be
-    // measured.
+    // measured. Both are as large as what the viewer asked for, where `most_pixels` allows it: the device's load, which
+    // is of pictures that come again and again, makes only these smaller.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.

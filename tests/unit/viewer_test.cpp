@@ -228,6 +228,50 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
     }
 }
 
+// A busy device makes pictures smaller as long as they come again and again. One that rests comes once, and whole;
+// what the device's level does meanwhile brings no further one.
+TEST(Viewer, WhatRestsComesWholeHoweverBusyTheDeviceWas) {
+    constexpr DeviceLoad kBusy{.own_ms = 100, .whole_ms = 100, .budget_ms = 16, .viewers = 1, .exhausted = true};
+    constexpr DeviceLoad kIdle{.own_ms = 100, .whole_ms = 0, .budget_ms = 16, .viewers = 1, .exhausted = true};
+    for (const double most_pixels : {1e9, 100.0 * 100}) {
+        Viewer viewer(1, windowOf(8), nullptr);
+        PoseRequest pose = poseWithSeq(1);
+        pose.width = 640, pose.height = 360;
+        pose.takes_png = true;
+        viewer.setPose(pose);
+        Clock::time_point now{std::chrono::hours(1)};
+        const auto has = [&](const DeviceLoad& load) {
+            now += std::chrono::milliseconds(300);
+            viewer.deviceHas(load);
+            viewer.observe(now, false);
+        };
+        has(kBusy);
+        ASSERT_EQ(viewer.link().device_level, 1u);
+        const auto moving = takeDue(viewer, now, 7);
+        ASSERT_TRUE(moving);
+        EXPECT_EQ(moving->request.width, 320);
+        has(kBusy); // of the picture that was on the device
+        EXPECT_FALSE(takeDue(viewer, now, 7));
+        const uint16_t whole = most_pixels > 1e6 ? 640 : 320;
+        for (const bool lossless : {false, true}) {
+            now += kRestsFor;
+            const auto request = viewer.pollDue(now, 7, true, most_pixels);
+            ASSERT_TRUE(request);
+            EXPECT_EQ(request->width, whole);
+            EXPECT_EQ(request->lossless, lossless);
+            EXPECT_EQ(request->reduced, whole == 640 ? Reduced::no : Reduced::device);
+            ASSERT_TRUE(viewer.take(*request, now, 7));
+        }
+        for (int i = 0; i < 20; ++i) {
+            has(i < 10 ? kIdle : kBusy);
+            if (whole == 640) {
+                EXPECT_FALSE(takeDue(viewer, now, 7)) << i;
+                EXPECT_FALSE(takeDue(viewer, now, 7, true)) << i;
+            }
+        }
+    }
+}
+
 // PNG is large: the next pose's picture would wait behind it.
 TEST(Viewer, NothingWithoutLossOverALinkThatQueues) {
     Viewer viewer(1, {.least_frames = 4, .most_frames = 4}, nullptr);
