@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "server/methods/plans.h"
 
 namespace brume {
@@ -29,6 +31,8 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
         told.quadrature = std::get<std::string>(valueOf(*quadrature, {.render = &used}));
     if (const MethodPlan* method = planOf(used.method)) {
         told.text = method->text(used);
+        if (const std::string next = waitsFor(plan); !next.empty())
+            told.text += fmt::format(", until the shaders of {} are compiled", next);
         if (method->hasRays()) told.rate = used.rate, told.slabs = used.slabs;
     }
     told.promised = promisedError(now.render);

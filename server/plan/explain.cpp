@@ -65,6 +65,10 @@ std::string absent(const SceneFeatures& f) {
 
 std::string wayText(const RenderSettings& settings) { return planOf(settings.method)->text(settings); }
 
+std::string waitsFor(const Plan& plan) {
+    return plan.within || plan.relaxed > 0 || plan.wanted.empty() ? "" : plan.wanted.front().method;
+}
+
 std::string summary(const Plan& plan) {
     const Candidate& c = plan.chosen;
     return fmt::format("{}: {}, {:.1f} ms a view, {:.1f} ms shared{}", wayText(c.settings), errorText(c),

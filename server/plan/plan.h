@@ -117,6 +117,9 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
 std::string summary(const Plan& plan);
 // Settings in a few words, for people.
 std::string wayText(const RenderSettings& settings);
+// The method whose shaders are being compiled, and which would keep the error budget that the plan does not keep.
+// Empty: nothing is waited for.
+std::string waitsFor(const Plan& plan);
 
 // The rate nearest to the way's own that is compiled, finer ones first; the way's own if none is.
 uint32_t nearestCompiledRate(RenderSettings way, const std::function<bool(const RenderSettings&)>& compiled);

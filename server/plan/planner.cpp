@@ -18,7 +18,7 @@
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000};
+constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000}, kWaitsUntold{10000};
 // A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
 constexpr double kFar = 2;
 // A medium that rests is counted as one that moves once a second: what is done once is cheap, not free.
@@ -159,9 +159,23 @@ void Planner::make() {
     if (ways_) ways_->use(now, inputs_.scene.hues > 1);
     if (first || now.method != then.method || now.rate != then.rate || now.slabs != then.slabs)
         spdlog::debug("plan: {}", summary(plan_));
+    tellWaiting();
     const std::string& wanted = inputs_.scene.wanted.method;
     if (!plan_.refused.empty() && wanted != kAutoMethod && now.method != wanted && (first || now.method != then.method))
         spdlog::warn("refused: {}; instead: {}", plan_.refused, summary(plan_));
+}
+
+// A new scene's first seconds are nobody's concern.
+void Planner::tellWaiting() {
+    const std::string waits_for = waitsFor(plan_);
+    if (waits_for.empty()) {
+        if (std::exchange(waits_told_, false)) spdlog::info("shaders are compiled; pictures: {}", summary(plan_));
+        waits_since_.reset();
+    } else if (!waits_since_) {
+        waits_since_ = planned_;
+    } else if (planned_ - *waits_since_ > kWaitsUntold && !std::exchange(waits_told_, true)) {
+        spdlog::warn("shaders of {} are still being compiled; pictures until then: {}", waits_for, summary(plan_));
+    }
 }
 
 // The settings that there was last a compiled way for, but what no shader depends on. Precondition: there was one.

@@ -84,6 +84,7 @@ private:
     void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
     void make();
     void waitForShaders();
+    void tellWaiting();
     RenderSettings asDrawn(const RenderSettings& asked) const;
     bool someoneJumped(std::span<const PlanView> views) const;
 
@@ -100,9 +101,11 @@ private:
     bool exhausted_ = false;
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
-    Time planned_{}, looked_{}; // when the plan was made; when the scene was measured
-    uint64_t looked_tick_ = 0;  // of the scene that was measured
-    Time held_since_{};         // since when every plan has been Plan::held
+    Time planned_{}, looked_{};       // when the plan was made; when the scene was measured
+    uint64_t looked_tick_ = 0;        // of the scene that was measured
+    Time held_since_{};               // since when every plan has been Plan::held
+    std::optional<Time> waits_since_; // since when every plan has waited for shaders: waitsFor()
+    bool waits_told_ = false;         // True: the log says so
 };
 
 } // namespace brume

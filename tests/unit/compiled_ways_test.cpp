@@ -1,9 +1,13 @@
 // What is not compiled is not planned as long as something else is, and is wanted; a plan is made anew for an eye that
 // is suddenly far from where it was.
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
+#include "server/loop/scene_report.h"
 #include "tests/unit/plan_scenes.h"
 
 namespace brume::compiled_ways_test {
@@ -284,6 +288,53 @@ TEST(CompiledWays, WhatIsAskedForIsDrawnOnceItIsCompiled) {
         EXPECT_TRUE(ways.has(after, false));
         EXPECT_EQ(after.method, simulation.now().render.method);
     }
+}
+
+// The log's lines, from its beginning to its end.
+class HeardLog {
+public:
+    HeardLog() : before_(spdlog::default_logger()) {
+        spdlog::set_default_logger(
+            std::make_shared<spdlog::logger>("heard", std::make_shared<spdlog::sinks::ostream_sink_st>(lines_)));
+    }
+    ~HeardLog() { spdlog::set_default_logger(before_); }
+    std::string take() { return std::exchange(lines_, std::ostringstream()).str(); }
+
+private:
+    std::ostringstream lines_;
+    std::shared_ptr<spdlog::logger> before_;
+};
+
+// Pictures whose error nobody knows, since nothing better is compiled: viewers are told at once, the log once.
+TEST(CompiledWays, WhoIsDrawnOtherwiseThanPromisedIsTold) {
+    const Scene scene = cube();
+    const Simulation simulation(scene);
+    HeardLog log;
+    NothingCompiled ways;
+    Planner planner(scene, builtInCosts(), 50, &ways);
+    RenderSettings plain = scene.render;
+    plain.method = "sphere";
+    ways.add(shadersOf(plain, false));
+    const Planner::Time start{seconds(1000)};
+    planner.settings(simulation, {&kOutside, 1}, true, start);
+    ASSERT_EQ(planner.plan().chosen.settings.method, "sphere");
+    const std::string next = waitsFor(planner.plan());
+    EXPECT_EQ(next, ways.nextWanted()->settings.method);
+    const auto told = [&] { return sceneReport(simulation, planner.plan())->plan.text; };
+    EXPECT_NE(told().find("until the shaders of " + next + " are compiled"), std::string::npos) << told();
+    for (int s = 1; s < 10; ++s) planner.refresh(simulation, {&kOutside, 1}, start + seconds(s));
+    EXPECT_EQ(log.take(), "");
+    for (int s = 11; s < 20; ++s) planner.refresh(simulation, {&kOutside, 1}, start + seconds(s));
+    const std::string line = log.take();
+    EXPECT_NE(line.find("shaders of " + next + " are still being compiled"), std::string::npos) << line;
+    EXPECT_EQ(std::ranges::count(line, '\n'), 1) << line;
+
+    while (const auto wanted = ways.nextWanted()) ways.add(wanted->shaders);
+    for (int s = 20; s < 25; ++s) planner.refresh(simulation, {&kOutside, 1}, start + seconds(s));
+    EXPECT_EQ(planner.plan().chosen.settings.method, next);
+    EXPECT_EQ(waitsFor(planner.plan()), "");
+    EXPECT_EQ(told().find("until"), std::string::npos) << told();
+    EXPECT_NE(log.take().find("shaders are compiled"), std::string::npos);
 }
 
 TEST(FarJump, APlanIsMadeAnewForAnEyeThatIsSuddenlyFarAway) {
