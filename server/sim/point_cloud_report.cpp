@@ -28,6 +28,11 @@ std::string rangeText(float lo, float hi) {
     return lo < hi ? fmt::format("{:.4g} to {:.4g}", lo, hi) : fmt::format("{:.4g}", lo);
 }
 
+// The keys that give the extinction which was chosen.
+std::string asKeys(float sigma_t) {
+    return fmt::format("; as medium.multiplier = 1 with medium.extinction = {:.4g}", double(sigma_t) * 1e4);
+}
+
 // What the lines are about: particles of a cloud as loaded.
 struct Cloud {
     Cloud(const Scene& of, const Simulation& simulation)
@@ -155,12 +160,13 @@ std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const std::string sizes = scene.tetrahedra ? ""
                                                : fmt::format("scale {} m ({}); ", rangeOf(cloud, &gpu::Particle::scale),
                                                              cloud.facts.sizes_from);
-    return oneLine(fmt::format("{} '{}': {}{} points in {}; {}extinction {} 1/m ({}); {}; {}; "
+    return oneLine(fmt::format("{} '{}': {}{} points in {}; {}extinction {} 1/m ({}{}); {}; {}; "
                                "optical depth about {:.2g}",
                                kind(cloud.facts), scene.medium.file.string(), before, cloud.particles.size(),
                                cloud.boxText(), sizes, rangeOf(cloud, &gpu::Particle::sigma_t),
-                               cloud.facts.extinctions_from, cloud.facts.coloured ? "with colours" : "no colours",
-                               ignoredText(cloud.facts), depth));
+                               cloud.facts.extinctions_from,
+                               cloud.facts.by_depth ? asKeys(cloud.particles.front().sigma_t) : "",
+                               cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth));
 }
 
 std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation& simulation) {

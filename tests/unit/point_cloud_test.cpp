@@ -134,10 +134,10 @@ TEST(PointClouds, OneLineSaysWhatCame) {
     const std::string bare = told(cloudScene("property float nx\nproperty uchar alpha\n", "-1 0 2 1 9\n3 4 2.5 1 9\n"));
     expectIn(bare, "layout_test.ply': 2 points in [-1, 0, 2] to [3, 4, 2.5] m; scale ");
     expectIn(bare, "(from the spacing of the points, as no size came; medium.scale replaces it)");
-    expectIn(
-        bare,
-        "; extinction 0.8322 1/m (for an optical depth of 3, as none came; medium.extinction replaces it); no colours; "
-        "ignored properties: nx, alpha; optical depth about 3");
+    expectIn(bare,
+             "; extinction 0.8322 1/m (for an optical depth of 3, as none came; medium.extinction replaces "
+             "it; as medium.multiplier = 1 with medium.extinction = 8322); no colours; ignored properties: nx, alpha; "
+             "optical depth about 3");
     EXPECT_EQ(std::count(bare.begin(), bare.end(), '\n'), 1) << bare;
 
     const std::string all = told(cloudScene("property float scale\n" + kOwn, "0 0 0 2 0.3 .1 .6 1\n1 0 0 3 7 1 0 1\n"));
