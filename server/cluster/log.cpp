@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/whole_number.h"
 #include "server/sim/state_bytes.h"
 
 namespace brume::cluster {
@@ -106,13 +107,13 @@ Log Log::load(std::string_view text) {
     try {
         const json in = json::parse(text);
         Log log;
-        in.at("tick").get_to(log.tick_);
+        log.tick_ = wholeNumber(in.at("tick"));
         in.at("ticker").get_to(log.ticker_);
         for (const auto& [name, from] : in.at("nodes").items()) {
             Node& one = log.nodes_[name];
-            from.at("number").get_to(one.number);
-            from.at("heard").get_to(one.heard);
-            from.at("here_at").get_to(one.here_at);
+            one.number = wholeNumber(from.at("number"));
+            one.heard = wholeNumber(from.at("heard"));
+            one.here_at = wholeNumber(from.at("here_at"));
             if (from.contains("here")) one.here = std::get<Here>(messageIn(from.at("here")));
         }
         for (const json& from : in.at("waiting")) log.waiting_.push_back(std::get<NodeCommand>(messageIn(from)));

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/whole_number.h"
 #include "server/net/command_message.h"
 
 namespace brume::cluster {
@@ -17,11 +18,6 @@ json fieldsOf(const NodeCommand& m) { return {{"number", m.number}, {"input", ne
 json fieldsOf(const Advance& m) { return {{"tick", m.tick}}; }
 json fieldsOf(const Here& m) {
     return {{"tick", m.tick}, {"hash", m.hash}, {"url", m.url}, {"load", m.load}, {"takes", m.takes}};
-}
-
-uint64_t wholeNumber(const json& in) {
-    if (!in.is_number_unsigned()) throw std::runtime_error("no whole number");
-    return in.get<uint64_t>();
 }
 
 LogMessage messageOf(const std::string& kind, const json& in) {

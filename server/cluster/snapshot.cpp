@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <functional>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/whole_number.h"
 #include "server/sim/state_hash.h"
 
 namespace brume::cluster {
@@ -35,11 +38,12 @@ std::optional<Manifest> Snapshots::manifest(uint32_t slot) {
     try {
         const auto in = nlohmann::json::parse(reinterpret_cast<const char*>(bytes->data()),
                                               reinterpret_cast<const char*>(bytes->data() + bytes->size()));
-        return Manifest{in.at("tick").get<uint64_t>(),     in.at("hash").get<uint64_t>(),
-                        in.at("sequence").get<uint64_t>(), in.at("message").get<uint64_t>(),
-                        in.at("created").get<int64_t>(),   in.at("bytes").get<uint64_t>(),
-                        in.at("checksum").get<uint64_t>()};
-    } catch (const nlohmann::json::exception&) {
+        const auto number = [&](const char* key) { return wholeNumber(in.at(key)); };
+        const uint64_t created = number("created");
+        if (created > uint64_t(std::numeric_limits<int64_t>::max())) return {};
+        return Manifest{number("tick"),   number("hash"),  number("sequence"), number("message"),
+                        int64_t(created), number("bytes"), number("checksum")};
+    } catch (const std::exception&) {
         return {};
     }
 }

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plain_file.h"
+#include "common/whole_number.h"
 #include "server/net/command_message.h"
 #include "server/sim/state_hash.h"
 
@@ -46,10 +47,9 @@ uint64_t fromHex(const std::string& digits) {
 
 json toJson(const Command& command) { return {{"viewer", command.viewer}, {"input", net::textOf(command)}}; }
 Command commandOf(const json& from) {
-    if (from.size() != 2 || !from.at("viewer").is_number_unsigned())
-        throw std::runtime_error("a command has viewer and input");
+    if (from.size() != 2) throw std::runtime_error("a command has viewer and input");
     Command command = net::commandOf(from.at("input").get<std::string>());
-    command.viewer = from.at("viewer").get<uint32_t>();
+    command.viewer = wholeNumber<uint32_t>(from.at("viewer"));
     return command;
 }
 
@@ -69,8 +69,8 @@ RecordedError errorOf(const json& from) {
         if (!(value >= 0)) throw std::runtime_error(fmt::format("an error's {} is negative", key));
         return value;
     };
-    return {from.at("viewer").get<uint32_t>(), from.at("method").get<std::string>(),
-            ErrorEstimate{.pixels = from.at("pixels").get<size_t>(),
+    return {wholeNumber<uint32_t>(from.at("viewer")), from.at("method").get<std::string>(),
+            ErrorEstimate{.pixels = wholeNumber<size_t>(from.at("pixels")),
                           .rmse = notNegative("rmse"),
                           .low = notNegative("low"),
                           .high = notNegative("high"),
@@ -169,9 +169,9 @@ RecordingReader::RecordingReader(const std::filesystem::path& file) : file_(file
         const json head = json::parse(*text);
         head_ = {head.at("scene").get<std::string>(),  head.at("file").get<std::string>(),
                  head.at("text").get<std::string>(),   head.at("overrides").get<std::vector<std::string>>(),
-                 head.at("server").get<std::string>(), head.value("tick", uint64_t{0}),
+                 head.at("server").get<std::string>(), head.contains("tick") ? wholeNumber(head.at("tick")) : 0,
                  head.value("joined", false)};
-    } catch (const json::exception& e) {
+    } catch (const std::exception& e) {
         fail(fmt::format("not a recording's head: {}", e.what()));
     }
     if (head_.joined)
@@ -219,7 +219,7 @@ std::optional<RecordedTick> RecordingReader::next() {
     RecordedTick out;
     try {
         const json line = json::parse(*text);
-        out.tick = line.at("tick").get<uint64_t>();
+        out.tick = wholeNumber(line.at("tick"));
         out.state_hash = fromHex(line.at("state").get<std::string>());
         if (line.contains("commands"))
             for (const json& command : line.at("commands")) out.commands.push_back(commandOf(command));

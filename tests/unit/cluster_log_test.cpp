@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "server/cluster/identity.h"
@@ -136,6 +137,20 @@ TEST(ClusterLog, SavedItGoesOnAlike) {
     EXPECT_GT(steps, 100u);
     EXPECT_THROW(Log::load("{}"), StateError);
     EXPECT_THROW(Log::load(all.save().substr(1)), StateError);
+}
+
+// Numbers that are none, of who writes into the store of the others.
+TEST(ClusterLog, AStateWhoseNumbersAreNoneIsRefused) {
+    const auto state = [](const char* tick, const char* number) {
+        return fmt::format(
+            R"({{"tick":{},"ticker":"a","nodes":{{"a":{{"number":{},"heard":0,"here_at":0}}}},"waiting":[]}})", tick,
+            number);
+    };
+    EXPECT_EQ(Log::load(state("7", "18446744073709551615")).tick(), 7u);
+    for (const char* none : {"1e30", "-1", "1.5", "18446744073709551616", R"("7")", "true", "null", "[]"}) {
+        EXPECT_THROW(Log::load(state(none, "1")), StateError) << none;
+        EXPECT_THROW(Log::load(state("7", none)), StateError) << none;
+    }
 }
 
 TEST(ClusterMessage, ComesBackAsItWas) {

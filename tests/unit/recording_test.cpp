@@ -111,7 +111,8 @@ TEST_F(RecordingTest, ReadsWhatWasWrittenAndReplaysIt) {
 // Under a right hash, as no server writes it.
 TEST_F(RecordingTest, ACommandThatIsNoneEndsInOneLine) {
     for (const char* command : {"{}", "7", R"({"viewer":1,"input":7})", R"({"viewer":1,"input":"AAAA"})",
-                                R"({"viewer":-1,"input":"AAAA"})", R"({"viewer":1,"restart":{}})"}) {
+                                R"({"viewer":-1,"input":"AAAA"})", R"({"viewer":1e30,"input":"AAAA"})",
+                                R"({"viewer":4294967296,"input":"AAAA"})", R"({"viewer":1,"restart":{}})"}) {
         record();
         const std::string whole = bytes();
         const size_t line = whole.find('\n', whole.find('\n') + 1) + 1;
