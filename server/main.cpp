@@ -164,7 +164,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         frame.first_tick = recording->head.tick;
     }
     std::atomic<bool> stopping{false}, failed{false}, ended{false}; // outlive the loop's thread and the scenes'
-    checkPorts(options.net); // before shaders are compiled, which may take a minute
+    checkNetwork(options.net); // before shaders are compiled, which may take a minute
     FrameLoop frames(scene, device, audience, metrics, frame);
     NetServer network(options.net, audience, metrics);
     if (node) {

@@ -89,7 +89,7 @@ Reply Pages::serve(std::string_view path, std::string_view if_none_match,
 }
 
 Reply noSuchPage() {
-    std::string line = "no such page; there is";
+    std::string line = "no such page; there is /embed.html";
     for (const Route& route : allRoutes()) line += fmt::format(" {}", route.path);
     return lineReply(404, std::move(line));
 }

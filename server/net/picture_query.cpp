@@ -55,22 +55,31 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             return fmt::format("{} must be {}", what, allowed);
         };
         const auto range = [&](Limits allowed) { return refuse(fmt::format("{} ... {}", allowed.lo, allowed.hi)); };
+        const auto whole = [&](float& into, Limits allowed) {
+            return number(into, allowed) && into == std::floor(into);
+        };
+        const auto wholes = [&](Limits allowed) {
+            return refuse(fmt::format("a whole number, {} ... {}", allowed.lo, allowed.hi));
+        };
+        const auto place = [&] {
+            return refuse(fmt::format("x,y,z in metres, each {} ... {}", limits::kPlace.lo, limits::kPlace.hi));
+        };
         const Limits side{kMinSide, double(options.max_side)}, rate{0.1, options.max_stream_fps}, jpeg{1, 100};
         if (name == "w") {
-            if (!number(width, side)) return range(side);
+            if (!whole(width, side)) return wholes(side);
         } else if (name == "h") {
-            if (!number(height, side)) return range(side);
+            if (!whole(height, side)) return wholes(side);
         } else if (name == "quality") {
-            if (!number(quality, jpeg)) return range(jpeg);
+            if (!whole(quality, jpeg)) return wholes(jpeg);
             out.has_quality = true;
         } else if (name == "fps") {
             if (!number(out.fps, rate)) return range(rate);
         } else if (name == "fov") {
             if (!number(camera.fov_y, limits::kFovY)) return range(limits::kFovY) + " radians, from bottom to top";
         } else if (name == "position") {
-            if (!readNumbers(value, &camera.position.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
+            if (!readNumbers(value, &camera.position.x, 3, limits::kPlace)) return place();
         } else if (name == "target") {
-            if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return refuse("x,y,z in metres");
+            if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return place();
         } else if (name == "format") {
             if (value != "jpeg" && value != "png") return refuse("jpeg or png");
             out.request.lossless = value == "png";

@@ -197,7 +197,8 @@ NetServer::NetServer(NetOptions options, Audience& audience, Metrics& metrics)
 
 NetServer::~NetServer() { stop(std::chrono::milliseconds(0)); }
 
-void checkPorts(const net::NetOptions& options) {
+void checkNetwork(const net::NetOptions& options) {
+    if (!options.tls_key.empty()) const Tls usable(options.tls_certificate, options.tls_key);
     asio::io_context io;
     tcp::acceptor viewers(io), agents(io);
     bindTo(viewers, options.listen, options.port, "--port");

@@ -12,8 +12,9 @@
 
 namespace brume {
 
-// Throws what NetServer::start() would throw of a port that is taken: soon, where much is to be done before that.
-void checkPorts(const net::NetOptions& options);
+// Throws what NetServer would throw of a port that is taken, or of a certificate that cannot be used: soon, where much
+// is to be done before that.
+void checkNetwork(const net::NetOptions& options);
 
 class NetServer {
 public:

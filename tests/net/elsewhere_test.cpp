@@ -23,7 +23,7 @@ struct ElsewhereTest : ServerTest {
         WsClient late(server->port());
         late.hello();
         EXPECT_EQ(nextError(late), wire::ErrorCode::full);
-        const Farewell told = farewell(late);
+        Farewell told = farewell(late);
         EXPECT_EQ(late.closeCode(), 1013);
         return told;
     }
@@ -31,7 +31,7 @@ struct ElsewhereTest : ServerTest {
     Farewell stopped(const std::string& go_to) {
         const auto viewer = watch();
         std::thread stopper([&] { server->stop(5s, go_to); });
-        const Farewell told = farewell(*viewer);
+        Farewell told = farewell(*viewer);
         EXPECT_EQ(viewer->closeCode(), 1001);
         stopper.join();
         return told;

@@ -21,9 +21,9 @@ TEST_F(StopTest, ATakenPortIsToldInOneLine) {
     EXPECT_EQ(
         startError(options, *audience, *metrics),
         fmt::format("cannot listen on 127.0.0.1:{}: Address already in use; choose another with --port", options.port));
-    EXPECT_THROW(checkPorts(options), std::runtime_error);
+    EXPECT_THROW(checkNetwork(options), std::runtime_error);
     options.port = 0;
-    EXPECT_NO_THROW(checkPorts(options));
+    EXPECT_NO_THROW(checkNetwork(options));
     options.port = server->port();
     options.listen = "192.0.2.1"; // an address of nobody's
     EXPECT_EQ(
@@ -33,6 +33,11 @@ TEST_F(StopTest, ATakenPortIsToldInOneLine) {
     options.listen = "not an address";
     const std::string unknown = startError(options, *audience, *metrics);
     EXPECT_NE(unknown.find("choose another with --listen"), std::string::npos) << unknown;
+}
+
+TEST_F(StopTest, ACertificateThatIsNoneIsToldBeforeAnythingElseIsDone) {
+    options.tls_certificate = options.tls_key = "/nosuch.pem";
+    EXPECT_THROW(checkNetwork(options), std::runtime_error);
 }
 
 TEST_F(StopTest, EveryoneIsToldGoodbye) {

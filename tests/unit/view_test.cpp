@@ -99,6 +99,10 @@ TEST(View, AQueryNamesOne) {
     EXPECT_EQ(std::get<net::PictureQuery>(read("w=64&view=light")).request.show, gpu::kShowLight);
     EXPECT_EQ(std::get<std::string>(read("view=lights")),
               "view must be one of picture wasted overdraw particles rays depth shadow light error");
+    EXPECT_EQ(std::get<std::string>(read("w=640.5")), "w must be a whole number, 16 ... 3840");
+    EXPECT_EQ(std::get<std::string>(read("quality=0.9")), "quality must be a whole number, 1 ... 100");
+    EXPECT_EQ(std::get<std::string>(read("position=1,2,1e9")),
+              "position must be x,y,z in metres, each -50000 ... 50000");
     EXPECT_EQ(std::get<net::PictureQuery>(read("show=1")).ignored, std::vector<std::string>{"show"});
 }
 
