@@ -149,6 +149,7 @@ bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
     const Plan& before = planner_->plan();
+    const bool known = !before.passes.empty(); // false: nothing of this scene was drawn yet
     if (const uint64_t version = ways_.version(); version != held_with_ || batch.taken - held_since_ > kLookAtHeld) {
         held_with_ = version, held_since_ = batch.taken;
         held_.clear();
@@ -157,9 +158,9 @@ bool FrameLoop::render(Batch& batch) {
         batch_planner_.plan(viewers_, scene_version_,
                             {.budget_ms = frame_ms_,
                              .most_ms = most_frame_ms_,
-                             .ms_per_pixel = before.chosen.views_ms / pixelsOf(planner_->inputs().views),
-                             .still_ratio = before.still_ms / before.chosen.ms(),
-                             .still = before.passes.empty() || planner_->drawable(finer(before.chosen.settings), true),
+                             .ms_per_pixel = known ? before.chosen.views_ms / pixelsOf(planner_->inputs().views) : 0,
+                             .still_ratio = known ? before.still_ms / before.chosen.ms() : 1,
+                             .still = !known || planner_->drawable(finer(before.chosen.settings), true),
                              .full = hasSeveralHues(),
                              .held = held_,
                              .bytes = mostPlaneBytes()},

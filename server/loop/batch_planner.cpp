@@ -105,7 +105,7 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     findDue(viewers, scene, false, limits.full, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
-        fit(viewers, limits.most_ms / std::max(limits.still_ratio, 1.0));
+        fit(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));
         findDue(viewers, scene, true, true, now);
     }
     const size_t watched = requests_.size();

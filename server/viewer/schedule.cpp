@@ -30,7 +30,7 @@ double fairLevel(std::span<const double> demands, double capacity) {
         }
         if (others == 0) return std::numeric_limits<double>::infinity();
         const double next = left / double(others);
-        if (next <= level) return level;
+        if (!(next > level)) return level; // also where it is no number
         level = next;
     }
 }

@@ -1,5 +1,6 @@
 // Whose pictures a batch draws, by a device that is made up and a clock that the test turns.
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -242,6 +243,9 @@ TEST(Schedule, TheFairLevelIsWhereTheWaterStands) {
     EXPECT_DOUBLE_EQ(fairLevel(std::vector<double>{0.1, 0.2, 1, 1}, 1), 0.35);
     EXPECT_DOUBLE_EQ(fairLevel(std::vector<double>{0, 0, 5}, 1), 1);
     EXPECT_EQ(fairLevel({}, 1), std::numeric_limits<double>::infinity());
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(fairLevel(std::vector<double>{1, none}, 1), 0.5); // it ends
+    EXPECT_EQ(fairLevel(std::vector<double>{1}, none), 0);
 }
 
 TEST(Schedule, WhoWasLeftOutComesFirst) {
