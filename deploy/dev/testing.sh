@@ -176,7 +176,7 @@ testPart() {
         step "Package" package
         step "Tests: deploy" deployTest
         if canFuzz; then
-            step "Fuzz, 3 s each" fuzz 3 "${fuzz_targets[@]}"
+            step "Fuzz, 1 s each" fuzz 1 "${fuzz_targets[@]}"
         else
             say "Not fuzzed: there is no clang with libFuzzer. ./dev fuzz installs it."
         fi

@@ -4,7 +4,7 @@ import { connect, createServer } from 'node:net';
 
 const PACKET = 1460; // bytes
 
-// Where a page finds the server through it: { url, stop() }.
+// Where a page finds the server through it: { url, stop(), become() }. become(more) makes the way longer from now on.
 export async function startDelay(url, ms, rate = Infinity) {
   const { hostname, port } = new URL(url);
   const sockets = new Set();
@@ -38,6 +38,9 @@ export async function startDelay(url, ms, rate = Infinity) {
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   return {
     url: `http://127.0.0.1:${server.address().port}`,
+    become(more) {
+      ms = more; // no less than before: bytes keep their order
+    },
     stop() {
       server.close();
       for (const socket of sockets) socket.destroy();
