@@ -151,6 +151,16 @@ describe('two on one page of another origin', () => {
     await page.evaluate(() => document.getElementById('left').setAttribute('position', 'here'));
     const note = await page.evaluate(() => window.heard.find(([, name]) => name === 'note'));
     assert.match(note[2], /^position takes three numbers/);
+    const line = (change) =>
+      page.evaluate((change) => {
+        const left = document.getElementById('left');
+        for (const [name, value] of Object.entries(change)) left.setAttribute(name, value);
+        const { hidden, textContent } = left.shadowRoot.querySelector('.message');
+        return hidden ? '' : textContent;
+      }, change);
+    assert.match(await line({ size: 'wide' }), /^position takes three numbers.* size takes width and height/);
+    assert.match(await line({ position: '1,2,30' }), /^size takes width and height/);
+    assert.equal(await line({ size: '640x360' }), '');
     await page.evaluate(() => document.getElementById('left').removeAttribute('src'));
     await page.evaluate(() => document.getElementById('right').remove());
     for (const deadline = Date.now() + 30_000; (await viewers()) > 0; ) assert.ok(Date.now() < deadline, 'both leave');

@@ -12,8 +12,8 @@ import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
 import { Viewer } from './viewer';
 import type { Wishes } from './viewer-host';
-import { eyesOf, reprojectionOf } from './viewing';
-import { viewOf } from './views';
+import { EYES, REPROJECTIONS, eyesOf, reprojectionOf } from './viewing';
+import { VIEWS, viewOf } from './views';
 
 export interface BrumeViewEvents {
   statechange: LinkState;
@@ -44,6 +44,23 @@ const STYLE = `
   .message { position: absolute; inset: auto 0 0; margin: 0; padding: 8px 12px; color: #e9eef4; pointer-events: none;
     background: rgb(13 18 25 / 84%); font: 13px/1.4 system-ui, sans-serif; text-align: center; }
 `;
+// Attributes but those of the place; any text is right for the others.
+const oneOf = (...names: readonly string[]) => ({
+  holds: (text: string): boolean => names.includes(text),
+  text: `one of ${names.join(', ')}`,
+});
+const ALLOWED = {
+  eyes: oneOf(...EYES),
+  reproject: oneOf(...REPROJECTIONS),
+  controls: oneOf('push', 'look', 'none'),
+  view: oneOf(...VIEWS),
+  size: { holds: (text: string): boolean => sizeOf(text) !== undefined, text: 'width and height in pixels: 640x360' },
+  quality: {
+    holds: (text: string): boolean => /^\d{1,3}$/.test(text) && Number(text) <= 100,
+    text: 'a whole number from 1 to 100; 0 is the server’s choice',
+  },
+};
+
 const sheet = new CSSStyleSheet();
 sheet.replaceSync(STYLE);
 
@@ -75,6 +92,8 @@ export class BrumeView extends HTMLElement {
   private readonly message = el('p', { class: 'message', part: 'message', role: 'status' });
   private running: Viewer | undefined;
   private due = false; // true: attributes that need another connection have changed
+  private line = ''; // that tells of the connection or the scene
+  private faults = ''; // sentences on attributes that cannot be used
 
   constructor() {
     super();
@@ -112,6 +131,7 @@ export class BrumeView extends HTMLElement {
   attributeChangedCallback(name: string, before: string | null, now: string | null): void {
     if (before === now || !this.isConnected) return;
     const viewer = this.running;
+    const place = this.place();
     switch (name) {
       case 'src':
       case 'token':
@@ -125,7 +145,7 @@ export class BrumeView extends HTMLElement {
       case 'position':
       case 'target':
       case 'fov':
-        viewer?.moveTo(this.place());
+        viewer?.moveTo(place);
         break;
       case 'eyes':
       case 'reproject':
@@ -158,19 +178,26 @@ export class BrumeView extends HTMLElement {
     return this.dispatchEvent(new CustomEvent(name, { detail, cancelable: true }));
   }
 
+  // What cannot be used of the attributes is told as one note, and stands in the view until it is mended.
   private place(): Place {
-    const place = placeOf((name) => this.getAttribute(name));
-    if (typeof place !== 'string') return place;
-    this.tell('note', { text: place, kind: 'error' });
-    return {};
+    const { place, faults } = placeOf((name) => this.getAttribute(name));
+    for (const [name, allowed] of Object.entries(ALLOWED)) {
+      const text = this.getAttribute(name);
+      if (text !== null && !allowed.holds(text)) faults.push(`${name} takes ${allowed.text}.`);
+    }
+    const before = this.faults;
+    this.faults = faults.join(' ');
+    if (this.faults !== '' && this.faults !== before) this.tell('note', { text: this.faults, kind: 'error' });
+    this.showLine(this.line);
+    return place;
   }
 
   private wishes(): Wishes {
     const control = this.getAttribute('controls');
-    const quality = Number(this.getAttribute('quality') ?? 0);
+    const quality = this.getAttribute('quality') ?? '';
     return {
       cap: sizeOf(this.getAttribute('size')),
-      quality: Number.isInteger(quality) && quality >= 1 && quality <= 100 ? quality : 0,
+      quality: ALLOWED.quality.holds(quality) ? Number(quality) : 0,
       predict: this.hasAttribute('predict'),
       control: control === 'none' || control === 'look' ? control : 'push',
       place: {},
@@ -235,8 +262,9 @@ export class BrumeView extends HTMLElement {
   }
 
   private showLine(text: string): void {
-    setText(this.message, text);
-    this.message.hidden = text === '' || this.hasAttribute('quiet');
+    this.line = text;
+    setText(this.message, text || this.faults);
+    this.message.hidden = this.message.textContent === '' || this.hasAttribute('quiet');
   }
 }
 

@@ -37,9 +37,9 @@ if (sentHere) history.replaceState(history.state, '', location.pathname + locati
 const settings = loadSettings();
 const notices = new Notices(() => viewer().link.retryNow());
 const query = new URLSearchParams(location.search);
-const place = placeOf((name) => query.get(name));
-const fault = [followAddress(settings, location.search), typeof place === 'string' ? place : undefined].find(Boolean);
-if (fault) notices.note(fault, 'error');
+const { place, faults } = placeOf((name) => query.get(name));
+faults.push(...followAddress(settings, location.search));
+if (faults.length > 0) notices.note(faults.join(' '), 'error');
 
 // ---- the view ----
 
@@ -85,7 +85,7 @@ view.addEventListener('moved', (event) => {
 
 function attributes(): Record<string, string | undefined> {
   const cap = settings.cap === undefined ? undefined : SIZE_CAPS[settings.cap];
-  const named = typeof place === 'string' ? [] : ['position', 'target', 'fov'];
+  const named = ['position', 'target', 'fov'].filter((name) => name in place);
   return {
     ...Object.fromEntries(named.map((name) => [name, query.get(name) ?? undefined])),
     token,

@@ -21,26 +21,30 @@ const pointOf = (text: string): Vec3 | undefined => {
   return parts.length === 3 && holds(x) && holds(y) && holds(z) ? [x, y, z] : undefined;
 };
 
-// The place that those texts name; each may be missing. A line that says what is allowed if one cannot be used.
-export function placeOf(get: (name: string) => string | null): Place | string {
+// The place that those texts name; each may be missing. What cannot be used is left out, and a sentence of `faults` says
+// what is allowed.
+export function placeOf(get: (name: string) => string | null): { place: Place; faults: string[] } {
   const place: Place = {};
+  const faults: string[] = [];
   for (const name of ['position', 'target'] as const) {
     const text = get(name);
     if (text === null) continue;
     const point = pointOf(text);
-    if (!point) return `${name} takes three numbers from −50,000 to 50,000, in metres: ${name}=0,6,26.`;
-    place[name] = point;
+    if (point) place[name] = point;
+    else faults.push(`${name} takes three numbers from −50,000 to 50,000, in metres: ${name}=0,6,26.`);
   }
   const angle = get('fov');
   if (angle !== null) {
     const fov = angle.trim() === '' ? NaN : Number(angle);
-    if (!(fov >= FOV.lowest && fov <= FOV.highest)) return 'fov takes an angle from 0.05 to 3, in radians: fov=0.8.';
-    place.fov = fov;
+    if (fov >= FOV.lowest && fov <= FOV.highest) place.fov = fov;
+    else faults.push('fov takes an angle from 0.05 to 3, in radians: fov=0.8.');
   }
   const { position, target } = place;
-  if (position && target && length(subtract(target, position)) < LEAST_DISTANCE)
-    return 'position and target are the same place: they must differ by a millimetre.';
-  return place;
+  if (position && target && length(subtract(target, position)) < LEAST_DISTANCE) {
+    faults.push('position and target are the same place: they must differ by a millimetre.');
+    delete place.target;
+  }
+  return { place, faults };
 }
 
 // The camera at that place; what the place leaves out is the scene's own.

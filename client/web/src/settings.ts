@@ -43,16 +43,17 @@ export function loadSettings(): Settings {
 const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
 
 // Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&box=1&size=1280x720
-// &quality=90&view=depth. Returns a line that says what is allowed if one of them cannot be used; it is then left as it was.
-export function followAddress(settings: Settings, address: string): string | undefined {
+// &quality=90&view=depth. What cannot be used is left as it was, and one of the sentences that are returned says what is
+// allowed.
+export function followAddress(settings: Settings, address: string): string[] {
   const asked = new URLSearchParams(address);
-  let fault: string | undefined;
+  const faults: string[] = [];
   const take = (name: string, allowed: readonly string[], use: (text: string, index: number) => void): void => {
     const text = asked.get(name);
     if (text === null) return;
     const index = allowed.indexOf(text);
     if (index >= 0) use(text, index);
-    else fault ??= `${name} in the address is one of ${allowed.join(', ')}.`;
+    else faults.push(`${name} in the address is one of ${allowed.join(', ')}.`);
   };
   take('eyes', EYES, (_, index) => (settings.eyes = EYES[index] ?? settings.eyes));
   take('reproject', REPROJECTIONS, (_, i) => (settings.reprojection = REPROJECTIONS[i] ?? settings.reprojection));
@@ -63,9 +64,9 @@ export function followAddress(settings: Settings, address: string): string | und
   const quality = asked.get('quality');
   if (quality !== null) {
     if (/^\d{1,3}$/.test(quality) && Number(quality) <= 100) settings.quality = Number(quality);
-    else fault ??= 'quality in the address is a whole number from 0 to 100.';
+    else faults.push('quality in the address is a whole number from 0 to 100.');
   }
-  return fault;
+  return faults;
 }
 
 // The same as parameters of an address; those that are as in a new browser are left out.
