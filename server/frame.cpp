@@ -122,9 +122,9 @@ void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
     const bool empty = simulation_.liveCount() == 0;
     simulation_.step(commands_);
-    // Particles that are set many times a second are looked at as those that move by themselves are.
+    // Particles that are pushed or set many times a second are looked at as those that move by themselves are.
     const bool asked = std::any_of(commands_.begin(), commands_.end(), [](const Command& command) {
-        return !std::holds_alternative<SetParticles>(command.body);
+        return !std::holds_alternative<SetParticles>(command.body) && !std::holds_alternative<Impulse>(command.body);
     });
     if (asked || empty != (simulation_.liveCount() == 0)) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;

@@ -12,6 +12,10 @@ constexpr uint32_t kMostEyes = 64; // of a submission; viewers beyond that are f
 constexpr size_t kMostSeats = 256;
 constexpr auto kRecent = std::chrono::seconds(1);
 
+// Pixels that a picture's time is paid for. A small one takes as long as one of kLeastPixels: its passes cost that.
+double paidPixels(double pixels) { return pixels > 0 ? std::max(pixels, kLeastPixels) : 0; }
+double paidPixels(const PoseRequest& request) { return paidPixels(pixelsOf(request)); }
+
 } // namespace
 
 // Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`.
@@ -19,7 +23,7 @@ void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double 
     wishes_.clear();
     most_pixels_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers)
-        wishes_.push_back(schedule_.predict(viewer->id(), viewer->wishedPixels()));
+        wishes_.push_back(schedule_.predict(viewer->id(), paidPixels(viewer->wishedPixels())));
     const double level = fairLevel(wishes_, schedule_.forPictures(most_ms));
     for (size_t i = 0; i < viewers.size(); ++i)
         most_pixels_.push_back(wishes_[i] > level
@@ -40,7 +44,7 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
         const PlaneLayout layout{due->width, due->height, full};
         draw_requests_.push_back({.viewer = viewer->id(),
-                                  .pixels = pixelsOf(*due),
+                                  .pixels = paidPixels(*due),
                                   .eyes = due->views,
                                   .bytes = layout.bytes() * due->views,
                                   .every = viewer->every(),
@@ -73,7 +77,7 @@ void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers
         } else if (request->received < requests_[at].received) {
             requests_[at] = *request;
         }
-        draw_requests_[at].pixels = pixelsOf(requests_[at]);
+        draw_requests_[at].pixels = paidPixels(requests_[at]);
         draw_requests_[at].eyes = requests_[at].views;
     }
 }
@@ -185,13 +189,13 @@ bool BatchPlanner::camerasRest(Clock::time_point now) const {
 void BatchPlanner::took(const BatchContents& batch, double shared_ms, double besides, bool usual) {
     if (batch.one_shot) {
         const BatchJob& drawn = batch.jobs.front();
-        return schedule_.took(batch.seat, pixelsOf(drawn.due.request), besides * (shared_ms + double(drawn.gpu_ms)),
+        return schedule_.took(batch.seat, paidPixels(drawn.due.request), besides * (shared_ms + double(drawn.gpu_ms)),
                               false);
     }
     schedule_.sharedTook(besides * shared_ms);
     for (const BatchJob& job : batch.jobs) {
         const uint32_t viewer = job.viewer->id();
-        const double pixels = pixelsOf(job.due.request), ms = besides * double(job.gpu_ms);
+        const double pixels = paidPixels(job.due.request), ms = besides * double(job.gpu_ms);
         if (usual)
             schedule_.took(viewer, pixels, ms, job.due.request.show == gpu::kShowPicture);
         else

@@ -23,11 +23,6 @@ double fitted(double part, double before) {
     return kSteps[std::size(kSteps) - 1];
 }
 
-void scale(PoseRequest& request, double side) {
-    request.width = uint16_t(std::max(request.width * side, 1.0));
-    request.height = uint16_t(std::max(request.height * side, 1.0));
-}
-
 } // namespace
 
 double pixelsOf(const PoseRequest& request) { return double(request.width) * request.height * request.views; }
@@ -140,24 +135,18 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = this->step();
-    PoseRequest request = *pose_;
     if (!still_picture) fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
+    PoseRequest request = reducedBy(step);
+    const PoseRequest whole = reducedBy(quality_.linkStep(pose_->keeps_size)); // as the link alone would have it
     request.reduced = fit_ < 1 ? Reduced::device : quality_.reduced();
-    request.quality = std::min(request.quality, step.quality);
-    scale(request, std::min(step.half ? 0.5 : 1.0, fit_));
-    PoseRequest at_rest = request; // what a busy device makes smaller in motion comes whole at rest
-    at_rest.width = pose_->width, at_rest.height = pose_->height;
-    scale(at_rest, std::min(quality_.linkStep(pose_->keeps_size).half ? 0.5 : 1.0, fit_));
-    const bool rests =
-        made_ && scene && scene == scene_ && (samePictures(*made_, request) || samePictures(*made_, at_rest));
-    if (rests) {
+    if (made_ && scene && scene == scene_ && (samePictures(*made_, request) || samePictures(*made_, whole))) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless =
             made_detail_ == Detail::still && request.takes_png && request.show != kShowsErrors && !pacing_.bytes();
         const bool collects = request.show == kShowsErrors && measurable_ && now - made_at_ >= kMeasuresEvery;
         if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
         if (quality_.level() > 0 || now - made_at_ < kRestsFor) return {};
-        if (pixelsOf(at_rest) <= most_pixels) request = at_rest;
+        if (pixelsOf(whole) <= most_pixels) request = whole;
         if (pixelsOf(request) < pixelsOf(*made_)) request.width = made_->width, request.height = made_->height;
         request.reduced = request.width < pose_->width ? Reduced::device : Reduced::no;
         request.still_picture = true;
@@ -174,6 +163,15 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         ++skipped_;
         return {};
     }
+    return request;
+}
+
+PoseRequest Viewer::reducedBy(const QualityStep& step) const {
+    PoseRequest request = *pose_;
+    request.quality = std::min(request.quality, step.quality);
+    const double side = std::min(step.half ? 0.5 : 1.0, fit_);
+    request.width = uint16_t(std::max(request.width * side, 1.0));
+    request.height = uint16_t(std::max(request.height * side, 1.0));
     return request;
 }
 

@@ -132,7 +132,9 @@ public:
     History history() const;
 
 private:
-    QualityStep step() const; // precondition: mutex_ is held
+    // Precondition of both: mutex_ is held.
+    QualityStep step() const;
+    PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
 
     const uint32_t id_;
     mutable std::mutex mutex_;

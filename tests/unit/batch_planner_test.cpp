@@ -246,6 +246,28 @@ TEST(BatchPlanner, WishesThatDoNotFitAreMadeSmallerAtOnce) {
     for (const auto& [id, width] : widths) EXPECT_EQ(width, id == 8 ? 320u : 360u) << id;
 }
 
+// Sixteen pictures of 80x48 take 3 ms each, which is what their passes cost, however small they are. There is room for
+// many more, and a large one is not taken for a dear one.
+TEST(BatchPlanner, SmallPicturesMakeNoPixelDear) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t id = 1; id <= 16; ++id) viewers.push_back(viewerOf(id));
+    Clock::time_point now = kStart;
+    for (uint32_t seq = 1; seq <= 40; ++seq, now += std::chrono::milliseconds(50)) {
+        for (const auto& viewer : viewers) viewer->setPose(poseOf(seq, 80, 48, float(seq)));
+        ASSERT_TRUE(planner.plan(viewers, seq, {.budget_ms = 50, .most_ms = 500}, now, batch));
+        for (BatchJob& job : batch.jobs) job.gpu_ms = 3;
+        planner.took(batch, 0, 1, true);
+        deliver(batch, now);
+    }
+    EXPECT_NEAR(planner.roomFor(kLeastPixels, 500), 500 / 3.0, 1);
+    const std::vector newcomer{viewerOf(17)};
+    newcomer[0]->setPose(poseOf(1, 640, 360));
+    ASSERT_TRUE(planner.plan(newcomer, 41, {.budget_ms = 50, .most_ms = 500}, now, batch));
+    EXPECT_EQ(batch.jobs.front().due.request.width, 640);
+}
+
 // What rests is drawn once more, finer, when nothing has changed for anybody; then nothing at all.
 TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
     BatchPlanner planner;
