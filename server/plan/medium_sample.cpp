@@ -14,9 +14,6 @@ constexpr size_t kMostEven = 80, kMostAround = 512, kMostNear = 24, kMostCandida
 
 double square(double x) { return x * x; }
 
-// Deviation (m) of a particle in sums over the sample: that of what it stands for, with the same extinction.
-double widened(const SampledParticle& p) { return p.deviation * std::cbrt(p.weight); }
-
 // At most so many particles, evenly chosen, each with the weight of those that it stands for.
 std::vector<SampledParticle> chosen(const PlanScene& scene, std::span<const gpu::Particle> particles, size_t most) {
     std::vector<SampledParticle> out;
@@ -27,7 +24,8 @@ std::vector<SampledParticle> chosen(const PlanScene& scene, std::span<const gpu:
         if (scene.support(p) <= 0) continue;
         out.push_back({.centre = p.centre, .deviation = s, .depth = std::sqrt(2 * kPi) * double(p.sigma_t) * s});
     }
-    for (SampledParticle& p : out) p.weight = std::max(double(particles.size()) / double(out.size()), 1.0);
+    const double weight = std::max(double(particles.size()) / double(std::max<size_t>(out.size(), 1)), 1.0);
+    for (SampledParticle& p : out) p.weight = weight, p.widened = p.deviation * std::cbrt(weight);
     return out;
 }
 
@@ -36,7 +34,7 @@ std::vector<SampledParticle> chosen(const PlanScene& scene, std::span<const gpu:
 double depthBetween(const SampledParticle& p, glm::dvec3 from, glm::dvec3 direction, double length, bool own) {
     const glm::dvec3 to = p.centre - from;
     const double along = glm::dot(to, direction), apart = std::max(glm::dot(to, to) - along * along, 0.0);
-    const double s = widened(p), peak = p.depth / p.deviation; // sqrt(2 pi) extinction
+    const double s = p.widened, peak = p.depth / p.deviation; // sqrt(2 pi) extinction
     const double g = apart < 40 * s * s ? std::exp(-0.5 * apart / (s * s)) : 0;
     if (g <= 0) return 0;
     const double scale = 1 / (std::numbers::sqrt2 * s);
@@ -61,7 +59,7 @@ MediumSample::TexelErrors::TexelErrors(const PlanScene& scene, std::span<const S
 
 double MediumSample::TexelErrors::by(const SampledParticle& p, glm::dvec3 from, double count) const {
     const glm::dvec3 off = p.centre - from;
-    const double s2 = square(widened(p)), apart = square(glm::dot(off, x)) + square(glm::dot(off, y));
+    const double s2 = square(p.widened), apart = square(glm::dot(off, x)) + square(glm::dot(off, y));
     if (apart > 40 * s2) return 0;
     const double before = 0.5 * std::erfc(-glm::dot(off, to_light) / std::sqrt(2 * s2));
     return count * kPi * square(p.depth / p.deviation) * before * std::exp(-0.5 * apart / s2) / (2 * kPi * s2);
@@ -82,7 +80,7 @@ void MediumSample::lookAround(SampledParticle& at) const {
     for (const SampledParticle& p : around_) {
         const bool own = p.centre == at.centre;
         const glm::dvec3 off = p.centre - at.centre;
-        const double s = widened(p), apart = glm::dot(off, off), others = own ? 1 - 1 / p.weight : 1;
+        const double s = p.widened, apart = glm::dot(off, off), others = own ? 1 - 1 / p.weight : 1;
         if (apart < 40 * s * s)
             at.extinction += others * p.depth / (std::sqrt(2 * kPi) * p.deviation) * std::exp(-0.5 * apart / (s * s));
         at.to_light += depthBetween(p, at.centre, texels_.to_light, 1e9, own);

@@ -21,7 +21,8 @@ struct SampledParticle {
     // What the volumetric shadow map's texels err there, squared, over the mean that ShadowedMedium estimates: more
     // where particles crowd.
     double crowding = 1;
-    double weight = 1;
+    double weight = 1;  // particles that it stands for
+    double widened = 0; // m, deviation in sums over the sample: that of what it stands for, with the same extinction
 };
 
 // Optical depth of one particle between two points, `length` (m) apart along `direction` from `from`; without `own`
