@@ -8,12 +8,14 @@
 #include <spdlog/spdlog.h>
 
 #include "server/encode/picture_encoder.h"
+#include "server/loop/asks.h"
 
 namespace brume {
 namespace {
 
 constexpr auto kReportEvery = std::chrono::seconds(1);
 constexpr auto kLoadEvery = std::chrono::milliseconds(100);
+constexpr int kPlansPause = 8;                                // times as long as the last plan took
 constexpr auto kLookAtHeld = std::chrono::seconds(1);         // for those who have waited long enough
 constexpr auto kLongestLook = std::chrono::milliseconds(100); // at ticks, before other things are seen to
 
@@ -122,11 +124,12 @@ void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
     const bool empty = simulation_.liveCount() == 0;
     simulation_.step(commands_);
-    // Particles that are pushed or set many times a second are looked at as those that move by themselves are.
-    const bool asked = std::any_of(commands_.begin(), commands_.end(), [](const Command& command) {
-        return !std::holds_alternative<SetParticles>(command.body) && !std::holds_alternative<Impulse>(command.body);
-    });
-    if (asked || empty != (simulation_.liveCount() == 0)) changed_ = replan_ = true;
+    for (const Command& command : commands_) {
+        const Asks asks = asksFor(command.body);
+        if (asks != Asks::nothing) changed_ = asked_ = true;
+        if (asks == Asks::at_once) replan_ = true;
+    }
+    if (empty != (simulation_.liveCount() == 0)) changed_ = replan_ = true;
     if (!commands_.empty() || !simulation_.now().simulation.paused) ++scene_version_;
     if (!simulation_.refused().empty()) tellRefused();
     metrics_.ticked(Millis(Clock::now() - begin).count());
@@ -135,6 +138,21 @@ void FrameLoop::tick() {
     planner_->setFrameBudget(frame_ms_);
     planner_->setLawFactor(law_factor_);
     if (ticked_) ticked_(simulation_, commands_, true);
+}
+
+// Who moves a slider asks for a plan with each step. Plans for what is asked for take a part of the loop's time; what
+// comes meanwhile is in the next one.
+const RenderSettings& FrameLoop::plannedSettings(const Batch& batch) {
+    const bool anew = replan_ || (asked_ && batch.taken >= next_asked_);
+    const Clock::time_point begin = Clock::now();
+    const RenderSettings& planned = planner_->settings(simulation_, batch.views, anew, batch.taken);
+    drawn_before_ = asked_ && !anew;
+    if (anew) {
+        replan_ = asked_ = false;
+        const Clock::time_point end = Clock::now();
+        next_asked_ = end + kPlansPause * (end - begin);
+    }
+    return planned;
 }
 
 FrameLoop::Batch* FrameLoop::freeBatch() {
@@ -148,6 +166,7 @@ FrameLoop::Batch* FrameLoop::freeBatch() {
 bool FrameLoop::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
+    if (drawn_before_ && batch.taken >= next_asked_) ++scene_version_; // also pictures at rest are drawn anew
     const Plan& before = planner_->plan();
     const bool known = !before.passes.empty(); // false: nothing of this scene was drawn yet
     if (const uint64_t version = ways_.version(); version != held_with_ || batch.taken - held_since_ > kLookAtHeld) {
@@ -173,8 +192,7 @@ bool FrameLoop::render(Batch& batch) {
     most_full_ms_ = std::max(most_full_ms_, batch_planner_.fullBatchMs());
     rendered_tick_ = batch.tick;
 
-    const RenderSettings& planned =
-        planner_->settings(simulation_, batch.views, std::exchange(replan_, false), batch.taken);
+    const RenderSettings& planned = plannedSettings(batch);
     const Plan& plan = planner_->plan();
     const bool rests = plan.relaxed == 0 && batch_planner_.camerasRest(batch.taken);
     const double dearer = plan.still_ms / plan.chosen.ms();
@@ -185,7 +203,8 @@ bool FrameLoop::render(Batch& batch) {
         for (const BatchJob& job : batch.jobs) job.viewer->abandon(job.due.frame_id);
         return false;
     }
-    const RenderSettings settings = batch.finer ? finer(planned) : planned;
+    RenderSettings settings = batch.finer ? finer(planned) : planned;
+    settings.exposure = simulation_.now().render.exposure; // it is in no plan
     batch.error = float(plan.chosen.error);
     for (EyeRequest& eye : batch.eyes)
         eye.rate = planner_->rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);

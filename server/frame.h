@@ -92,6 +92,7 @@ private:
     void takeScene();
     void begin(std::span<const std::byte> state);
     Batch* freeBatch();
+    const RenderSettings& plannedSettings(const Batch& batch);
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
     bool submit(Batch& batch, const RenderSettings& settings);
@@ -161,7 +162,10 @@ private:
     double list_ms_ = 0;             // time that a picture may take with all lists; 0: not known yet
     Clock::time_point load_told_{}, reported_{};
     double most_full_ms_ = 0;          // largest predicted time of a batch with all due viewers, since load_told_
-    bool replan_ = false;              // True: a command came since the last frame
+    bool replan_ = false;              // True: the last plan is of another scene, or of other features
+    bool asked_ = false;               // True: commands changed something since the last plan
+    bool drawn_before_ = false;        // True: the last pictures were drawn before the plan that commands asked for
+    Clock::time_point next_asked_{};   // no plan is made before only because of commands
     bool changed_ = true;              // True: a command came since the last report
     uint64_t scene_version_ = 0;       // grows whenever pictures would change
     std::optional<bool> paused_;       // TickSource::paused() in the last report

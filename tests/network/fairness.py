@@ -126,6 +126,17 @@ def settings(url):
                 time.sleep(0.05)
 
 
+def sliders(url):
+    """An operator who moves sliders of the medium: no other way to render is asked for."""
+    import brume
+    with brume.connect(url, size=(64, 36)) as view:
+        while True:
+            for n in range(8):
+                with contextlib.suppress(brume.BrumeError):
+                    view._link.order([brume.messages.change({'medium.anisotropy': 0.1 + 0.1 * n, 'medium.falloff': 1.2 + 0.05 * n})], 5)
+                time.sleep(0.05)
+
+
 def spin():
     while True:
         pass
@@ -143,6 +154,7 @@ CASES = [
     ('hellos alone', [(hello_only, 1)], 0),
     ('four pictures of 1920x1080', [(giant, 4)], 4),
     ('one who changes settings twenty times a second', [(settings, 1)], 0),
+    ('one who moves sliders', [(sliders, 1)], 0),
     ('two who churn, two loops of snapshots, two of 1920x1080', [(churn, 2), (snapshots, 2), (giant, 2)], 5),
 ]
 
