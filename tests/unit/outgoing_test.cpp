@@ -64,7 +64,7 @@ TEST(Outgoing, ListsAreDescribedAndTheirElementsSentWhereTheyAreNew) {
         EXPECT_EQ(told->Get(0)->values()->Get(2), 2.0f) << "y of its place";
         return {told->Get(0)->values()->size(), told->Get(1)->values()->size()};
     };
-    EXPECT_EQ(elements(), (std::vector<size_t>{1024 * 19, 0}));
+    EXPECT_EQ(elements(), (std::vector<size_t>{size_t(1024) * 19, 0}));
     EXPECT_TRUE(elements().empty()) << "nothing has changed";
     ++report.lists_hash;
     EXPECT_TRUE(elements().empty()) << "long lists do not come so soon again";
