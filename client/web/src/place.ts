@@ -42,6 +42,7 @@ export function placeOf(get: (name: string) => string | null): { place: Place; f
   const { position, target } = place;
   if (position && target && length(subtract(target, position)) < LEAST_DISTANCE) {
     faults.push('position and target are the same place: they must differ by a millimetre.');
+    delete place.position;
     delete place.target;
   }
   return { place, faults };

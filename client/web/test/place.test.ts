@@ -35,6 +35,7 @@ describe('a place in an address', () => {
     for (const bad of ['', '0', '0.04', '3.1', 'wide'])
       expect(faultsIn(`fov=${bad}`), bad).toMatch(/^fov takes .* radians/);
     expect(faultsIn('position=1,2,3&target=1,2,3.0005')).toMatch(/same place/);
+    expect(placeIn('position=1,2,3&target=1,2,3.0005&fov=1')).toEqual({ fov: 1 });
     expect(faultsIn('position=1,2,3&target=1,2,3.002')).toBe('');
     expect(of('position=1,2,3&target=x&fov=9').place).toEqual({ position: [1, 2, 3] });
     expect(of('position=1,2,3&target=x&fov=9').faults.length).toBe(2);
