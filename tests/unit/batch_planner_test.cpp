@@ -284,7 +284,7 @@ TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
     EXPECT_TRUE(batch.still_pictures);
     deliver(batch, now);
     EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50}, now + std::chrono::seconds(1), batch));
-    const double none = std::numeric_limits<double>::quiet_NaN(); // of a plan that there is not yet
+    const double none = std::numeric_limits<double>::quiet_NaN(); // a ratio of a plan that there is not yet
     EXPECT_FALSE(planner.plan(viewers, 1, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = none, .still_ratio = none},
                               now + std::chrono::seconds(1), batch));
     ASSERT_TRUE(planner.plan(viewers, 2, {.budget_ms = 50}, now + std::chrono::seconds(2), batch));

@@ -228,8 +228,8 @@ TEST(Viewer, WhatRestsComesFinerThenWithoutLossThenNotAtAll) {
     }
 }
 
-// A busy device makes pictures smaller as long as they come again and again. One that rests comes once, and whole;
-// what the device's level does meanwhile brings no further one.
+// A busy device makes pictures smaller as long as they come again and again. One that rests comes once, and whole.
+// The device's level goes up and down meanwhile, and no further picture comes.
 TEST(Viewer, WhatRestsComesWholeHoweverBusyTheDeviceWas) {
     constexpr DeviceLoad kBusy{.own_ms = 100, .whole_ms = 100, .budget_ms = 16, .viewers = 1, .exhausted = true};
     constexpr DeviceLoad kIdle{.own_ms = 100, .whole_ms = 0, .budget_ms = 16, .viewers = 1, .exhausted = true};
@@ -250,7 +250,7 @@ TEST(Viewer, WhatRestsComesWholeHoweverBusyTheDeviceWas) {
         const auto moving = takeDue(viewer, now, 7);
         ASSERT_TRUE(moving);
         EXPECT_EQ(moving->request.width, 320);
-        has(kBusy); // of the picture that was on the device
+        has(kBusy); // the load is that of the picture before
         EXPECT_FALSE(takeDue(viewer, now, 7));
         const uint16_t whole = most_pixels > 1e6 ? 640 : 320;
         for (const bool lossless : {false, true}) {
