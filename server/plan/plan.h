@@ -117,7 +117,7 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
 std::string summary(const Plan& plan);
 // Settings in a few words, for people.
 std::string wayText(const RenderSettings& settings);
-// The method whose shaders are being compiled, and which would keep the error budget that the plan does not keep.
+// The method that pictures are drawn by once its shaders are compiled, while the plan does not keep the error budget.
 // Empty: nothing is waited for.
 std::string waitsFor(const Plan& plan);
 

@@ -102,7 +102,7 @@ private:
     uint32_t worst_ = 0; // highest overload level since accuracy was last full
     Time overloaded_since_{};
     Time planned_{}, looked_{};       // when the plan was made; when the scene was measured
-    uint64_t looked_tick_ = 0;        // of the scene that was measured
+    uint64_t looked_tick_ = 0;        // the tick of the scene that was measured
     Time held_since_{};               // since when every plan has been Plan::held
     std::optional<Time> waits_since_; // since when every plan has waited for shaders: waitsFor()
     bool waits_told_ = false;         // True: the log says so
