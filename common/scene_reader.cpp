@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "common/nearest.h"
 #include "common/text.h"
 
 namespace brume {
@@ -192,7 +193,7 @@ void TableReader::finish() const {
         names.erase(std::unique(names.begin(), names.end()), names.end()); // a key may be read twice
         std::string allowed;
         for (const std::string& name : names) allowed += (allowed.empty() ? "" : ", ") + name;
-        fail(key.str(), "unknown key", allowed);
+        fail(key.str(), "unknown key" + didYouMean(key.str(), names), allowed);
     }
 }
 

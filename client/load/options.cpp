@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <wordexp.h>
 
+#include "common/option_range.h"
 #include "protocol/net/address.h"
 
 namespace brume::load {
@@ -43,35 +44,31 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     CLI::App app("Watches brume servers as many viewers at once, and measures what each gets and what they cost.",
                  "brume-load");
     app.set_version_flag("--version", "brume-load " BRUME_VERSION);
-    app.add_option("--viewers", options.viewers, "Numbers of viewers, one run each")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->default_str("1,2,4,8,16,32")
-        ->check(CLI::Range(1u, kMostViewers));
-    app.add_option("--seconds", options.seconds, "Length of each run")
-        ->capture_default_str()
-        ->check(CLI::Range(0.5, 3600.0));
-    app.add_option("--warm-up", options.warm_up,
-                   "Seconds before each run that are not measured; every viewer has frames by then")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 600.0));
+    allow(app.add_option("--viewers", options.viewers, "Numbers of viewers, one run each")
+              ->delimiter(',')
+              ->allow_extra_args(false)
+              ->default_str("1,2,4,8,16,32"),
+          1u, kMostViewers);
+    allow(app.add_option("--seconds", options.seconds, "Length of each run")->capture_default_str(), 0.5, 3600.0);
+    allow(app.add_option("--warm-up", options.warm_up,
+                         "Seconds before each run that are not measured; every viewer has frames by then")
+              ->capture_default_str(),
+          0.0, 600.0);
     app.add_option("--paths", paths, "Where viewers go, in turn: orbit, fly, still, stereo (orbit with two eyes)")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->default_str("orbit");
-    app.add_option("--width", options.wishes.width, "Pixels of one eye")
-        ->capture_default_str()
-        ->check(CLI::Range(16, 8192));
-    app.add_option("--height", options.wishes.height)->capture_default_str()->check(CLI::Range(16, 8192));
-    app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
-        ->check(CLI::Range(0, 100));
+    allow(app.add_option("--width", options.wishes.width, "Pixels of one eye")->capture_default_str(), 16, 8192);
+    allow(app.add_option("--height", options.wishes.height)->capture_default_str(), 16, 8192);
+    allow(app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's"), 0,
+          100);
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
-    app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 1000.0));
+    allow(app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
+              ->capture_default_str(),
+          0.0, 1000.0);
     app.add_option("--seed", options.seed, "Seed of those pushes: the same one pushes the same way")
         ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
+        ->type_name("NUMBER");
     auto* const running =
         app.add_option("--server", servers,
                        "A server that runs already: ws://127.0.0.1:8080; or several servers of one shared simulation, "
@@ -91,9 +88,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                    "Arguments of the server that is started, on a free port, when --server is not given")
         ->capture_default_str()
         ->excludes(running);
-    app.add_option("--timeout", options.timeout, "Give up when a viewer gets no frame for so many seconds")
-        ->capture_default_str()
-        ->check(CLI::Range(0.1, 3600.0));
+    allow(app.add_option("--timeout", options.timeout, "Give up when a viewer gets no frame for so many seconds")
+              ->capture_default_str(),
+          0.1, 3600.0);
     app.add_option("--out", out, "Write load.json, load.md and load.svg to this folder");
     app.add_option("--assert", budgets, "Fail unless this holds: fps>=15@16, p95<=200, command_p95<=50; repeatable")
         ->allow_extra_args(false);

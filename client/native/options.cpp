@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/option_range.h"
 #include "common/view_names.h"
 
 namespace brume::client {
@@ -96,8 +97,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--ca", ca, "PEM file of who vouches for a wss:// server, instead of whom the system trusts");
     app.add_option("--size", size, "Pixels of one eye: WIDTHxHEIGHT")->capture_default_str();
     app.add_flag("--stereo", stereo, "Left and right eye side by side, 64 mm apart");
-    app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's")
-        ->check(CLI::Range(0, 100));
+    allow(app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's"), 0,
+          100);
     app.add_option("--view", options.wishes.view, "How the picture is made, in its place: " + allViewNames())
         ->capture_default_str()
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(kViewNames), std::end(kViewNames))));
@@ -111,15 +112,13 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--pause", options.pause, "Pause the scene, for everybody, before the first picture");
     app.add_flag("--headless", options.headless, "No window");
-    app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on")
-        ->check(CLI::Range(0, 10'000'000));
-    app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on")
-        ->check(CLI::Range(0.0, 1e7));
+    allow(app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on"), 0, 10'000'000);
+    allow(app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on"), 0.0, 1e7);
     app.add_option("--out", out, "Write the frames (frame-00001.jpg ...) and stats.json to this folder");
     app.add_flag("--no-save", no_save, "With --out: only stats.json, no pictures");
-    app.add_option("--timeout", options.timeout, "Give a connection up after so many seconds without a frame")
-        ->capture_default_str()
-        ->check(CLI::Range(0.1, 3600.0));
+    allow(app.add_option("--timeout", options.timeout, "Give a connection up after so many seconds without a frame")
+              ->capture_default_str(),
+          0.1, 3600.0);
     app.add_flag(
         "--no-reconnect", no_reconnect,
         "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");

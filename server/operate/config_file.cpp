@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/nearest.h"
 #include "common/toml_text.h"
 
 namespace brume {
@@ -59,6 +60,13 @@ bool names(const std::string& complaint, const std::string& option) {
     return next != '-' && !std::isalnum(static_cast<unsigned char>(next));
 }
 
+std::vector<std::string> configurableKeys(const CLI::App& app) {
+    std::vector<std::string> keys;
+    for (const CLI::Option* option : app.get_options({}))
+        if (option->get_configurable()) keys.push_back(option->get_single_name());
+    return keys;
+}
+
 } // namespace
 
 std::string environmentName(const CLI::Option& option) {
@@ -107,8 +115,8 @@ std::vector<CLI::ConfigItem> ConfigFile::from_config(std::istream& in) const {
         const size_t line = node.source().begin.line;
         const CLI::Option* option = app_.get_option_no_throw("--" + key);
         if (!option || !option->get_configurable())
-            throw fail(line,
-                       fmt::format("{}: no such key; allowed: those that brume-server --print-config prints", key));
+            throw fail(line, fmt::format("{}: no such key{}; allowed: those that brume-server --print-config prints",
+                                         key, didYouMean(key, configurableKeys(app_))));
         CLI::ConfigItem item{{}, key, {}};
         const toml::array* list = node.as_array();
         if (list && takesSeveral(*option))

@@ -5,42 +5,22 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/App.hpp>
-#include <fmt/format.h>
+#include "common/option_range.h"
 
 namespace brume {
 
-namespace {
-
-// The help says "NUMBER:1 to 64" of a range, or the unit in place of NUMBER.
-template <class T>
-void addRange(CLI::Option& option, T least, T most) {
-    const std::string kind = option.get_type_name();
-    if (kind == "UINT" || kind == "INT" || kind == "FLOAT") option.type_name("NUMBER");
-    const std::string range = fmt::format("{} to {}", least, most);
-    const auto complaint = [&option, range, inside = CLI::Range(least, most)](const std::string& text) -> std::string {
-        if (inside(text).empty()) return {};
-        const std::string shown = option.get_type_name(); // the unit or NUMBER, a colon, and the range
-        const std::string unit = shown.starts_with("NUMBER:") ? "" : ' ' + shown.substr(0, shown.find(':'));
-        return fmt::format("{} is not allowed here; allowed: {}{}", text, range, unit);
-    };
-    option.check(CLI::Validator(complaint, range, {}));
-}
-
-} // namespace
-
 NewOption& NewOption::range(int least, int most) {
-    addRange(*option_, least, most);
+    allow(option_, least, most);
     return *this;
 }
 
 NewOption& NewOption::range(uint32_t least, uint32_t most) {
-    addRange(*option_, least, most);
+    allow(option_, least, most);
     return *this;
 }
 
 NewOption& NewOption::range(double least, double most) {
-    addRange(*option_, least, most);
+    allow(option_, least, most);
     return *this;
 }
 

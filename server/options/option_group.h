@@ -1,4 +1,4 @@
-// Options in groups, as --help shows them. Only option_group.cpp and options.cpp compile CLI11.
+// Options in groups, as --help shows them. Only its source and options.cpp compile CLI11.
 #pragma once
 
 #include <chrono>

@@ -93,7 +93,7 @@ TEST_F(Configuration, WhatIsPrintedIsReadBackAsTheSame) {
 
 TEST_F(Configuration, MistakesAreNamedWithFileLineKeyAndWhatIsAllowed) {
     const std::string at = file.string();
-    refused("port = 1\nmax-veiwers = 3\n", at + ":2: max-veiwers: no such key; allowed");
+    refused("port = 1\nmax-veiwers = 3\n", at + ":2: max-veiwers: no such key; did you mean max-viewers?; allowed");
     refused("\n\nport = 70000\n", at + ":3: --port: ");
     refused("port = 'x'\n", at + ":1: ");
     refused("max-viewers = 0\n", at + ":1: --max-viewers: ");

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/option_range.h"
 #include "common/view_names.h"
 #include "tools/bench/commands.h"
 
@@ -84,14 +85,15 @@ private:
                                 "measures the promising ones, prints the lines for the scene's file",
                                 [this] { return answerWhich(context_, which_); });
         command->add_option("scenes", o.scenes, kSceneHelp)->required();
-        command->add_option("--error", o.question.error, "relative RMSE of the medium's pixels, 0.01 for 1 %")
-            ->check(CLI::Range(1e-5, 1.0));
+        allow(command->add_option("--error", o.question.error, "relative RMSE of the medium's pixels, 0.01 for 1 %"),
+              1e-5, 1.0);
         command->add_option("--camera", o.question.wanted.camera, kCameraHelp);
         command->add_option("--size", o.size, "pixels");
         addSet(command, o.question.wanted.set);
-        command->add_option("--ticks", o.question.ticks, "of simulation first")->check(CLI::Range(0, 100000));
-        command->add_option("--seconds", o.question.seconds, "begins no measurement later than this, for each scene")
-            ->check(CLI::Range(1.0, 3600.0));
+        allow(command->add_option("--ticks", o.question.ticks, "of simulation first"), 0, 100000);
+        allow(command->add_option("--seconds", o.question.seconds,
+                                  "begins no measurement later than this, for each scene"),
+              1.0, 3600.0);
         command->add_option("--out", o.out, kOutHelp)->default_str("");
         addCosts(command);
     }
@@ -107,14 +109,13 @@ private:
         command->add_option("--size", o.size, "pixels");
         command->add_option("--method", o.method, "instead of the scene's");
         addSet(command, o.wanted.set);
-        command->add_option("--ticks", o.ticks, "of simulation first")->check(CLI::Range(0, 100000));
+        allow(command->add_option("--ticks", o.ticks, "of simulation first"), 0, 100000);
         command->add_option("--out", o.out, ".exr, .png, .jpg or .jpeg");
         command->add_option("--view", o.view, "how the picture is made, in its place: " + allViewNames());
         command->add_flag("--reference", o.reference, "in double precision, the true overlapping medium");
-        command
-            ->add_option("--paths", o.paths,
-                         "with --reference: light scatters any number of times, so many paths a pixel")
-            ->check(CLI::Range(2, 1'000'000));
+        allow(command->add_option("--paths", o.paths,
+                                  "with --reference: light scatters any number of times, so many paths a pixel"),
+              2, 1'000'000);
         command->add_flag("--medium-alone", o.medium_alone,
                           "without sky and ambient light: pictures for compare, of which render.error is promised");
     }
@@ -136,8 +137,7 @@ private:
                                      "measures what predictions need to know of this device, for brume-server too",
                                      [this] { calibrateDevice(context_, calibrate_seconds_); });
         addCosts(command);
-        command->add_option("--seconds", calibrate_seconds_, "of frames, beside start-up")
-            ->check(CLI::Range(0.0, 600.0));
+        allow(command->add_option("--seconds", calibrate_seconds_, "of frames, beside start-up"), 0.0, 600.0);
     }
 
     void addSweep() {
@@ -147,8 +147,8 @@ private:
                                      [this] { sweep(context_, sweep_); });
         command->add_option("files", o.files, "TOML, docs/sweeps.md")->required();
         command->add_option("--out", o.out, "JSON");
-        command->add_option("--seconds", o.effort.seconds, "of frames per variant")->check(CLI::Range(0.0, 600.0));
-        command->add_option("--least", o.effort.least, "frames per variant, at least")->check(CLI::Range(1, 1000));
+        allow(command->add_option("--seconds", o.effort.seconds, "of frames per variant"), 0.0, 600.0);
+        allow(command->add_option("--least", o.effort.least, "frames per variant, at least"), 1, 1000);
         command->add_option("--only", o.effort.only, "series whose name holds this");
     }
 
@@ -159,9 +159,9 @@ private:
                      [this] { tetrahedra(tetrahedra_); });
         command->add_option("--scene", o.wanted.scene, kSceneHelp);
         addSet(command, o.wanted.set);
-        command->add_option("--ticks", o.ticks, "of simulation first")->check(CLI::Range(0, 100000));
-        command->add_option("--cells", o.cells, "cubes along the longest side, each of twelve tetrahedra")
-            ->check(CLI::Range(1, 128));
+        allow(command->add_option("--ticks", o.ticks, "of simulation first"), 0, 100000);
+        allow(command->add_option("--cells", o.cells, "cubes along the longest side, each of twelve tetrahedra"), 1,
+              128);
         command->add_option("--out", o.out, ".ply");
     }
 
@@ -188,12 +188,12 @@ private:
         command = addPlain("features", kMeasurements,
                            "what shaders save that are compiled without what a scene does not have",
                            [this] { features(context_, feature_frames_, features_out_); });
-        command->add_option("--frames", feature_frames_, "of each")->check(CLI::Range(1, 10000));
+        allow(command->add_option("--frames", feature_frames_, "of each"), 1, 10000);
         command->add_option("--out", features_out_, kOutHelp)->default_str("");
 
         command = addPlain("scaling", kMeasurements, "what a view costs with 1 to 1,024 lights, and 10 to 4,000 boxes",
                            [this] { scaling(context_, scaling_frames_, scaling_out_); });
-        command->add_option("--frames", scaling_frames_, "of each")->check(CLI::Range(1, 10000));
+        allow(command->add_option("--frames", scaling_frames_, "of each"), 1, 10000);
         command->add_option("--out", scaling_out_, kOutHelp)->default_str("");
 
         command = addPlain("native", kMeasurements, "slabs on Vulkan beside the same maths on this CPU's vector units",
@@ -203,8 +203,8 @@ private:
                          "AVX-512 or AVX2; default: the widest that the CPU has")
             ->check(CLI::IsMember({"AVX-512", "AVX2"}))
             ->default_str("");
-        command->add_option("--frames", native_.frames, "of each")->check(CLI::Range(1, 10000));
-        command->add_option("--threads", native_.threads, "of the native program")->check(CLI::Range(1, 256));
+        allow(command->add_option("--frames", native_.frames, "of each"), 1, 10000);
+        allow(command->add_option("--threads", native_.threads, "of the native program"), 1, 256);
         command->add_option("--out", native_.out, kOutHelp)->default_str("");
     }
 
@@ -213,14 +213,14 @@ private:
         CLI::App* command = addPlain("promise", kMeasurements,
                                      "whether auto keeps its promised error on random scenes, against the reference",
                                      [this] { keepPromise(context_, promise_); });
-        command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
+        allow(command->add_option("--scenes", q.scenes, "how many"), 1, 1'000'000);
         command->add_option("--seed", q.seed, "of the first; the next has the next seed");
         command->add_option("--kind", promise_.kind, "sun: particles and objects; lit: fogs, points and spots besides")
             ->check(CLI::IsMember({"sun", "lit"}));
         command->add_option("--method", q.method, "instead of auto: how its error is predicted");
-        command->add_option("--budget", q.budget, "render.error: relative RMSE")->check(CLI::Range(1e-5, 1.0));
-        command->add_option("--pixels", q.pixels, "compared of each")->check(CLI::Range(40, 1'000'000));
-        command->add_option("--seconds", q.seconds, "of the reference of each")->check(CLI::Range(0.0, 3600.0));
+        allow(command->add_option("--budget", q.budget, "render.error: relative RMSE"), 1e-5, 1.0);
+        allow(command->add_option("--pixels", q.pixels, "compared of each"), 40, 1'000'000);
+        allow(command->add_option("--seconds", q.seconds, "of the reference of each"), 0.0, 3600.0);
         command->add_flag("--price", q.price, "also looks for the cheapest way that holds");
         command->add_flag("--parts", q.parts, "also measures what each part of the chosen way errs, into the rows");
         command->add_flag("--whole", q.whole, "also measures FLIP, against the whole picture by finer settings");
@@ -235,12 +235,12 @@ private:
             addPlain("scattering", kMeasurements,
                      "how light that scatters more than once errs on random scenes, beside random paths",
                      [this] { scattering(context_, scattering_); });
-        command->add_option("--scenes", q.scenes, "how many")->check(CLI::Range(1, 1'000'000));
+        allow(command->add_option("--scenes", q.scenes, "how many"), 1, 1'000'000);
         command->add_option("--seed", q.seed, "of the first; the next has the next seed");
-        command->add_option("--width", q.width, "pixels; the height is 9/16 of it")->check(CLI::Range(16, 1920));
-        command->add_option("--noise", q.noise, "of the paths, that is aimed at")->check(CLI::Range(1e-4, 1.0));
-        command->add_option("--paths", q.paths, "of a pixel, at most")->check(CLI::Range(16, 1'000'000));
-        command->add_option("--seconds", q.seconds, "of the paths of each, at most")->check(CLI::Range(0.0, 3600.0));
+        allow(command->add_option("--width", q.width, "pixels; the height is 9/16 of it"), 16, 1920);
+        allow(command->add_option("--noise", q.noise, "of the paths, that is aimed at"), 1e-4, 1.0);
+        allow(command->add_option("--paths", q.paths, "of a pixel, at most"), 16, 1'000'000);
+        allow(command->add_option("--seconds", q.seconds, "of the paths of each, at most"), 0.0, 3600.0);
         command->add_option("--out", scattering_.out, kOutHelp)->default_str("");
         addCosts(command);
     }
@@ -254,13 +254,10 @@ private:
         command->add_option("--camera", q.wanted.camera, kCameraHelp);
         command->add_option("--size", correction_.size, "pixels");
         addSet(command, q.wanted.set);
-        command->add_option("--law-factor", q.law_factor, "on the error of every law")->check(CLI::Range(0.01, 100.0));
-        command->add_option("--at", q.at, "s after the first measured error: the laws turn wrong")
-            ->check(CLI::Range(0.0, 3600.0));
-        command->add_option("--seconds", q.seconds, "after the first measured error: the end")
-            ->check(CLI::Range(0.1, 3600.0));
-        command->add_option("--measure-error", q.measure_error, "part of one core that measures")
-            ->check(CLI::Range(0.001, 1.0));
+        allow(command->add_option("--law-factor", q.law_factor, "on the error of every law"), 0.01, 100.0);
+        allow(command->add_option("--at", q.at, "s after the first measured error: the laws turn wrong"), 0.0, 3600.0);
+        allow(command->add_option("--seconds", q.seconds, "after the first measured error: the end"), 0.1, 3600.0);
+        allow(command->add_option("--measure-error", q.measure_error, "part of one core that measures"), 0.001, 1.0);
         command->add_option("--out", correction_.out, kOutHelp)->default_str("");
         addCosts(command);
     }

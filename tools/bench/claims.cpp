@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "common/cores.h"
+#include "common/option_range.h"
 #include "common/process.h"
 #include "server/encode/jpeg.h"
 #include "server/inputs/tick_block.h"
@@ -281,16 +282,13 @@ int main(int argc, char** argv) {
     std::string scene_name = "cloud", device_name;
     CLI::App app{"brume-claims: measures what the README says about speed and error, in one run; prints Markdown."};
     app.set_version_flag("--version", "brume-claims " BRUME_VERSION);
-    app.add_option("--rounds", rounds, "frames per method")->capture_default_str()->check(CLI::Range(1, 1000));
-    app.add_option("--seconds", seconds, "of each streaming run; 0 leaves streaming out")
-        ->capture_default_str()
-        ->check(CLI::Range(0.0, 600.0));
-    app.add_option("--jpeg-seconds", jpeg_seconds, "of each run of an encoder")
-        ->capture_default_str()
-        ->check(CLI::Range(0.01, 60.0));
-    app.add_option("--width", size.width, "of the pictures of methods, in 16:9")
-        ->capture_default_str()
-        ->check(CLI::Range(64, 3840));
+    allow(app.add_option("--rounds", rounds, "frames per method")->capture_default_str(), 1, 1000);
+    allow(app.add_option("--seconds", seconds, "of each streaming run; 0 leaves streaming out")->capture_default_str(),
+          0.0, 600.0);
+    allow(app.add_option("--jpeg-seconds", jpeg_seconds, "of each run of an encoder")->capture_default_str(), 0.01,
+          60.0);
+    allow(app.add_option("--width", size.width, "of the pictures of methods, in 16:9")->capture_default_str(), 64,
+          3840);
     app.add_option("--scene", scene_name, "a shipped scene")->capture_default_str();
     app.add_option("--device", device_name, "part of the Vulkan device's name");
     CLI11_PARSE(app, argc, argv);

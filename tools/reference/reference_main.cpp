@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/option_range.h"
 #include "server/sim/simulation.h"
 #include "tools/reference/medium_reference.h"
 #include "tools/reference/progress.h"
@@ -35,14 +36,12 @@ int main(int argc, char** argv) {
     bool sequential = false, tetrahedron = false;
     CLI::App app{"brume-reference: a shipped scene in double precision."};
     app.add_option("--scene", scene_name, "a shipped scene or a file")->capture_default_str();
-    app.add_option("--width", width)->capture_default_str()->check(CLI::Range(1, 8192));
-    app.add_option("--height", height)->capture_default_str()->check(CLI::Range(1, 8192));
-    app.add_option("--ticks", ticks, "of 1/60 s before the picture")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1'000'000));
-    app.add_option("--tolerance", tolerance)->capture_default_str()->check(CLI::Range(1e-12, 1e-2));
-    app.add_option("--compare", compare, "render with this tolerance, too, and print the difference")
-        ->check(CLI::Range(1e-12, 1e-2));
+    allow(app.add_option("--width", width)->capture_default_str(), 1, 8192);
+    allow(app.add_option("--height", height)->capture_default_str(), 1, 8192);
+    allow(app.add_option("--ticks", ticks, "of 1/60 s before the picture")->capture_default_str(), 0, 1'000'000);
+    allow(app.add_option("--tolerance", tolerance)->capture_default_str(), 1e-12, 1e-2);
+    allow(app.add_option("--compare", compare, "render with this tolerance, too, and print the difference"), 1e-12,
+          1e-2);
     app.add_flag("--sequential", sequential, "particles composited one after another");
     app.add_flag("--tetrahedron", tetrahedron, "particles end at their tetrahedra along the view");
     app.add_option("--out", out, "a .pfm file");

@@ -5,7 +5,9 @@ import type { LinkState } from './connection';
 import { el, find, setText } from './dom';
 import { sentence, standstillText } from './sentence';
 
-const NOTE_MS = 4500;
+// A note stays for as long as it takes to see it and to read it.
+const NOTE_MS = 3000;
+const LETTER_MS = 60;
 const MOST_NOTES = 3;
 // A shorter interruption, such as for another picture quality, is not shown.
 const PATIENCE_MS = 500;
@@ -94,7 +96,7 @@ export class Notices {
     while (this.toasts.children.length >= MOST_NOTES) this.toasts.firstElementChild?.remove();
     const note = el('p', { class: `note ${kind}` }, text);
     this.toasts.append(note);
-    window.setTimeout(() => note.remove(), NOTE_MS);
+    window.setTimeout(() => note.remove(), NOTE_MS + LETTER_MS * text.length);
   }
 
   private apply(): void {
