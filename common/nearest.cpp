@@ -11,6 +11,7 @@ namespace brume {
 namespace {
 
 constexpr size_t kLongest = 64;
+constexpr size_t kLeastBeginning = 4; // bytes that are taken for the beginning of a name
 
 // How many letters are put in, left out, replaced or exchanged with their neighbour (optimal string alignment).
 size_t editDistance(std::string_view a, std::string_view b) {
@@ -27,6 +28,7 @@ size_t editDistance(std::string_view a, std::string_view b) {
 }
 
 size_t wrongLetters(std::string_view word, std::string_view name) {
+    if (word.size() >= kLeastBeginning && name.starts_with(word)) return 1;
     const size_t whole = editDistance(word, name), dot = name.rfind('.');
     return dot == name.npos ? whole : std::min(whole, editDistance(word, name.substr(dot + 1)));
 }

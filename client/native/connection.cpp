@@ -10,6 +10,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "client/native/tls.h"
+#include "common/text.h"
 #include "protocol/message.h"
 #include "protocol/net/byte_stream.h"
 
@@ -54,9 +55,9 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     beast::flat_buffer incoming;
     std::deque<Bytes> inbox, outbox;
     State state = State::connecting;
-    bool parted = false;  // the closing handshake is over
-    bool refused = false; // Connection::refused()
-    std::string closed_because;
+    bool parted = false;        // the closing handshake is over
+    bool refused = false;       // Connection::refused()
+    std::string closed_because; // one line
 
     Socket(Endpoint where, std::chrono::milliseconds time, Loop::Io& loop)
         : endpoint(std::move(where)), timeout(time), io(loop.context), stream(open(endpoint, loop)) {}
@@ -69,7 +70,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
     void closedNow(std::string why) {
         if (state == State::closed) return;
         state = State::closed;
-        closed_because = std::move(why);
+        closed_because = oneLine(std::move(why));
         resolver.cancel();
         stream.next_layer().tcp().close();
     }
@@ -140,14 +141,16 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
         });
     }
 
-    // A server that wants a token says so in one line.
+    // A server of brume says in one line why it declines.
     void declined() {
         const unsigned status = response.result_int();
         std::string why = "it answers HTTP " + std::to_string(status) + " " + std::string(response.reason());
-        const bool trust_matters = status == 401 || status == 403;
         refused = status / 100 == 4 && status != 408 && status != 429; // those two and 5xx pass
-        const std::string line = response.body().substr(0, std::min<size_t>(response.body().find('\n'), 200));
-        if (trust_matters && !line.empty()) why += ": " + line;
+        const std::string& body = response.body();
+        const std::string line = body.substr(0, std::min<size_t>(body.find_first_of("\r\n"), 200));
+        const bool plain = response[beast::http::field::content_type].starts_with("text/plain");
+        if (plain && !line.empty()) why += ": " + line;
+        const bool trust_matters = status == 401 || status == 403;
         cannotConnect(why, trust_matters ? "--token-file" : "is it a brume server, and not full?");
     }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/text.h"
 #include "common/view_names.h"
 
 namespace brume::client {
@@ -10,14 +11,6 @@ namespace {
 wire::Vec3 toWire(glm::vec3 v) { return {v.x, v.y, v.z}; }
 glm::vec3 fromWire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 std::string textOf(const flatbuffers::String* text) { return text ? text->str() : std::string(); }
-
-// What a server says goes to a terminal: one line, no control characters.
-std::string oneLine(std::string text) {
-    text.resize(std::min<size_t>(text.size(), 300));
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
-    return text;
-}
 
 } // namespace
 

@@ -114,6 +114,7 @@ void expectOneLine(const std::vector<std::string>& arguments, const std::string&
 TEST(Lifecycle, EveryBadStartEndsInOneClearLine) {
     expectOneLine({"--no-such-flag"}, "--no-such-flag: no such option (see brume-server --help)");
     expectOneLine({"--prot", "8080"}, "--prot: no such option; did you mean --port?");
+    expectOneLine({"--tls-cert", "a.pem"}, "--tls-cert: no such option; did you mean --tls-certificate?");
     expectOneLine({"--shadow-size", "64"},
                   "--shadow-size: no such option; did you mean --set render.shadow_size=VALUE?");
     expectOneLine({"--port", "70000"}, "--port");

@@ -125,6 +125,9 @@ TEST_F(Trust, ClientsVerifyTheServersCertificate) {
     ASSERT_TRUE(port) << process->err();
     client::Endpoint server = client::parseUrl("wss://127.0.0.1:" + *port);
     EXPECT_NE(whyNot(server).find("its certificate is not trusted"), std::string::npos) << whyNot(server);
+    client::Endpoint plain = server;
+    plain.tls = false;
+    EXPECT_NE(whyNot(plain).find("400 Bad Request: this port speaks TLS"), std::string::npos) << whyNot(plain);
     server.ca = certificate.certificate();
     Watcher watcher(server);
     watcher.look(lookAt({0, 2, 26}, {0, 0, 0}, 0.8f));
