@@ -68,7 +68,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
           0.0, 1000.0);
     app.add_option("--seed", options.seed, "Seed of those pushes: the same one pushes the same way")
         ->capture_default_str()
-        ->type_name("NUMBER");
+        ->type_name("NUMBER")
+        ->check(CLI::Validator(CLI::NonNegativeNumber).description(""));
     auto* const running =
         app.add_option("--server", servers,
                        "A server that runs already: ws://127.0.0.1:8080; or several servers of one shared simulation, "
