@@ -27,7 +27,7 @@ TEST_F(Standstill, TheClientSaysSoOnceAndStays) {
     const auto out = std::filesystem::temp_directory_path() / ("brume-standstill-" + std::to_string(getpid()));
     const auto client = startProgram(BRUME_CLIENT, {"--headless", "--url", "ws://127.0.0.1:" + std::to_string(port),
                                                     "--timeout", "2", "--out", out.string(), "--no-save"});
-    const std::string line = "brume-client: the scene stands still: no word from the log\n";
+    const std::string line = "brume-client: the scene stands still: no word?from the log\n";
     EXPECT_TRUE(eventually([&] { return client->err() == line; }, kPatience)) << client->err();
     // The server tells it once a second: four times is longer than the client's patience with frames that do not come.
     const auto other = watch();
