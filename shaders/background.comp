@@ -7,10 +7,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(rgba32f, binding = 5) writeonly uniform image2D radiance;
-layout(r32f, binding = 6) writeonly uniform image2D view_depth;
+#include "shaders/blocks/eye.glsl"
+layout(rgba32f) writeonly uniform image2D radiance;
+layout(r32f) writeonly uniform image2D view_depth;
 
 #include "shaders/lib/background.glsl"
 

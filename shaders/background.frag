@@ -6,8 +6,7 @@
 // to targets several times faster than to storage images; GPUs use background.comp, which gives the same picture.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
+#include "shaders/blocks/eye.glsl"
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out float view_depth;

@@ -12,9 +12,9 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = kIdBlur) const uint kBlur = kBlurRow14;
 layout(constant_id = kIdDown) const bool kDown = false;
 
-layout(scalar, binding = 2) readonly buffer Ends { float ends[]; }; // [row][column]: m of view depth
-layout(scalar, binding = 3) readonly buffer From { vec4 from[]; };  // [row][column]: light, opacity
-layout(scalar, binding = 4) writeonly buffer To { vec4 to[]; };
+layout(scalar) readonly buffer Ends { float ends[]; }; // [row][column]: m of view depth
+layout(scalar) readonly buffer From { vec4 from[]; };  // [row][column]: light, opacity
+layout(scalar) writeonly buffer To { vec4 to[]; };
 
 layout(push_constant, scalar) uniform Push { MarchBand band; } push;
 

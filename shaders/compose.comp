@@ -24,13 +24,13 @@ layout(constant_id = kIdDrawn) const bool kDrawn = true;
 layout(constant_id = kIdKeep) const bool kKeep = false;
 layout(constant_id = kIdBlocks) const uint kBlocks = 1;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(rgba32f, binding = 2) uniform image2D radiance;
-layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
-layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
-layout(scalar, binding = 5) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
-layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
-layout(binding = 8) uniform sampler2D view_depth;
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(rgba32f) uniform image2D radiance;
+layout(scalar) writeonly buffer Planes { uint planes[]; }; // bytes: Y, then Cb, then Cr
+layout(scalar) readonly buffer Field { float field[]; };  // shared/field.h
+layout(scalar) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
+layout(scalar) readonly buffer LitByLocalLights { vec3 lit[]; }; // written by local_light.comp
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"

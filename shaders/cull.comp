@@ -12,15 +12,15 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true; // True: particles behind all surfaces are left out
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) writeonly buffer Keys { uint keys[]; };
-layout(scalar, binding = 4) writeonly buffer Values { uint values[]; };
-layout(scalar, binding = 5) buffer Arguments { DrawArguments arguments; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer Keys { uint keys[]; };
+layout(scalar) writeonly buffer Values { uint values[]; };
+layout(scalar) buffer Arguments { DrawArguments arguments; };
 
-layout(scalar, binding = 6) uniform OtherBlock { Eye other; }; // the other eye of a stereo viewer, otherwise this eye
-layout(scalar, binding = 7) readonly buffer Furthest { float furthest[]; }; // written by furthest_depths.comp
+layout(scalar) uniform OtherBlock { Eye other; }; // the other eye of a stereo viewer, otherwise this eye
+layout(scalar) readonly buffer Furthest { float furthest[]; }; // written by furthest_depths.comp
 
 layout(push_constant, scalar) uniform Push {
     uint full_support; // 0: proxies are tetrahedra, 1: spheres around the full Gaussian, 2: evenly filled tetrahedra

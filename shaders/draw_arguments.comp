@@ -6,7 +6,7 @@
 
 layout(local_size_x = 1) in;
 
-layout(scalar, binding = 5) buffer Arguments { DrawArguments arguments; };
+layout(scalar) buffer Arguments { DrawArguments arguments; };
 
 layout(push_constant, scalar) uniform Push {
     uint vertices;            // per particle, for the draw without mesh shaders

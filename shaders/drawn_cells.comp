@@ -11,15 +11,15 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 const uint kNodes = 8 + 3; // nodes along a side of a workgroup
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(rgba32f, binding = 2) uniform image2D radiance;
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(rgba32f) uniform image2D radiance;
 // view_depth: set to 0 where the pixel is finished, so that the later draw skips it.
-layout(r32f, binding = 3) uniform image2D view_depth;
+layout(r32f) uniform image2D view_depth;
 // node_medium: one pixel per node; the first node is a step up and left of the picture.
-layout(binding = 4) uniform sampler2D node_medium;
-layout(binding = 5) uniform sampler2D node_depth;
-layout(scalar, binding = 6) readonly buffer Objects { Opaque objects[]; };
+uniform sampler2D node_medium;
+uniform sampler2D node_depth;
 
 layout(push_constant, scalar) uniform Push {
     float near, far;    // m, view depths of the medium

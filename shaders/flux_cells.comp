@@ -11,11 +11,8 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) writeonly buffer Cells { float cells[]; };
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 9) uniform sampler2D mesh_heights; // server/opaque/mesh_shadow.h
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer Cells { float cells[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 #include "shaders/lib/fog.glsl"

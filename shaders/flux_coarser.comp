@@ -6,8 +6,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) buffer Cells { float cells[]; };
+layout(scalar) buffer Cells { float cells[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 

@@ -7,8 +7,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) buffer FluxesBlock { float fluxes[]; };
+layout(scalar) buffer FluxesBlock { float fluxes[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 

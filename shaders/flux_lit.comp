@@ -7,12 +7,12 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) buffer Cells { float cells[]; };
-layout(scalar, binding = 3) writeonly buffer Fluence { vec4 fluence[]; }; // net flux and fluence, [channel][z][y][x]
+#include "shaders/blocks/tick.glsl"
+layout(scalar) buffer Cells { float cells[]; };
+layout(scalar) writeonly buffer Fluence { vec4 fluence[]; }; // net flux and fluence, [channel][z][y][x]
 
 #include "shaders/lib/flux_grid.glsl"
-layout(scalar, binding = 2) readonly buffer Surfaces { SurfaceLight surfaces[]; }; // [channel][cell]
+layout(scalar) readonly buffer Surfaces { SurfaceLight surfaces[]; }; // [channel][cell]
 
 void main() {
     if (gl_GlobalInvocationID.x >= push.side * push.side * push.side) return;

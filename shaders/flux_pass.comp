@@ -7,11 +7,11 @@
 
 layout(local_size_x = 256) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Cells { float cells[]; };
-layout(scalar, binding = 2) coherent buffer FluxesBlock { float fluxes[]; };
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Cells { float cells[]; };
+layout(scalar) coherent buffer FluxesBlock { float fluxes[]; };
 // Net flux and fluence, [channel][z][y][x]; before, those of light from surfaces.
-layout(scalar, binding = 3) buffer Fluence { vec4 fluence[]; };
+layout(scalar) buffer Fluence { vec4 fluence[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 

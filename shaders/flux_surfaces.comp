@@ -12,17 +12,13 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Cells { float cells[]; };
-layout(scalar, binding = 3) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 4) readonly buffer Nodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 5) readonly buffer Reflecting { uint reflecting[]; }; // indices of boxes and spheres
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 9) uniform sampler2D mesh_heights;
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Cells { float cells[]; };
+layout(scalar) readonly buffer Reflecting { uint reflecting[]; }; // indices of boxes and spheres
 
 #include "shaders/lib/flux_grid.glsl"
-layout(scalar, binding = 2) writeonly buffer Surfaces { SurfaceLight surfaces[]; }; // [channel][cell]
+layout(scalar) writeonly buffer Surfaces { SurfaceLight surfaces[]; }; // [channel][cell]
 
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/light.glsl"

@@ -13,11 +13,10 @@ layout(local_size_x = 16, local_size_y = 4) in;
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(rgba32f, binding = 2) uniform image2D radiance;
-layout(scalar, binding = 3) readonly buffer Volume { vec4 volume[]; }; // written by froxels.comp
-layout(binding = 8) uniform sampler2D view_depth;
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(rgba32f) uniform image2D radiance;
+layout(scalar) readonly buffer Volume { vec4 volume[]; }; // written by froxels.comp
 
 layout(push_constant, scalar) uniform Push {
     FroxelGrid froxels;

@@ -20,30 +20,21 @@ layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
 layout(constant_id = kIdShadows) const uint kShadows = kShadowsByRay;
 layout(constant_id = kIdHistory) const bool kHistory = false;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
-layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
-layout(scalar, binding = 3) writeonly buffer Volume { vec4 volume[]; };
-layout(scalar, binding = 4) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 9) readonly buffer Bits { uint light_bits[]; };
-layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
-layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar) writeonly buffer Volume { vec4 volume[]; };
+layout(scalar) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
+layout(scalar) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
 // The shared shadow grid and the shadow frusta; read with kShadowsByGrid and kShadowsHybrid alone.
-layout(scalar, binding = 15) uniform GridBlock { ShadowGridBlock shadow_grid; };
-layout(scalar, binding = 16) readonly buffer Voxels { uint shadow_voxels[]; };
-layout(scalar, binding = 17) readonly buffer Slots { uint slot_of_light[]; };
-layout(scalar, binding = 18) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
-layout(scalar, binding = 19) readonly buffer FrustumBits { uint shadow_froxels[]; };
+layout(scalar) uniform GridBlock { ShadowGridBlock shadow_grid; };
+layout(scalar) readonly buffer Voxels { uint shadow_voxels[]; };
+layout(scalar) readonly buffer Slots { uint slot_of_light[]; };
+layout(scalar) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
+layout(scalar) readonly buffer FrustumBits { uint shadow_froxels[]; };
 // An eye's cells, per m: of this picture and of its last one. Used with kHistory alone.
-layout(scalar, binding = 20) buffer Cells { vec4 cells[]; };
-layout(scalar, binding = 21) uniform HistoryOfEye { HistoryBlock history; };
+layout(scalar) buffer Cells { vec4 cells[]; };
+layout(scalar) uniform HistoryOfEye { HistoryBlock history; };
 
 layout(push_constant, scalar) uniform Push {
     FroxelGrid froxels;

@@ -7,9 +7,9 @@
 
 layout(local_size_x = 8) in; // kPixelTile / 2
 
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 7) writeonly buffer Furthest { float furthest[]; }; // m, row by row
-layout(binding = 8) uniform sampler2D view_depth;
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) writeonly buffer Furthest { float furthest[]; }; // m, row by row
 
 #include "shaders/lib/eye.glsl"
 

@@ -15,12 +15,11 @@ struct GlassSum {
     float depth;         // m, of view depth: of the surface
 };
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(rgba32f, binding = 2) uniform image2D radiance;
-layout(r32f, binding = 3) uniform image2D view_depth;
-layout(scalar, binding = 4) readonly buffer Sheets { GlassSheet sheets[]; };
-layout(scalar, binding = 5) buffer Sums { GlassSum sums[]; }; // row by row
+#include "shaders/blocks/eye.glsl"
+layout(rgba32f) uniform image2D radiance;
+layout(r32f) uniform image2D view_depth;
+layout(scalar) readonly buffer Sheets { GlassSheet sheets[]; };
+layout(scalar) buffer Sums { GlassSum sums[]; }; // row by row
 layout(push_constant, scalar) uniform Push { GlassPush push; };
 
 #include "shaders/lib/eye.glsl"

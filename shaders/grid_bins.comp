@@ -9,12 +9,12 @@
 
 layout(local_size_x = 32) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer Members { SlabMember members[]; };
 // [columns, rows, sheets][32 particles], then pages; then the same of coarse bricks. All 0 before.
-layout(scalar, binding = 4) buffer Bins { uint bins[]; };
-layout(scalar, binding = 5) buffer Marks { uint marks[]; };         // lib/grid_marks.glsl; all 0 before
+layout(scalar) buffer Bins { uint bins[]; };
+layout(scalar) buffer Marks { uint marks[]; };         // lib/grid_marks.glsl; all 0 before
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 

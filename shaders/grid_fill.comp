@@ -17,13 +17,13 @@ layout(local_size_x = 8) in; // kSlabTile
 layout(constant_id = kIdCoarse) const bool kCoarse = false;
 layout(constant_id = kIdHasCoarse) const bool kHasCoarse = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Members { SlabMember members[]; };
 // [quantity][plane][row][node / 4]: quantities of the medium (shared/field.h), 1/m
-layout(scalar, binding = 3) writeonly buffer Nodes { vec4 nodes[]; };
-layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };   // written by grid_bins.comp
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
-layout(scalar, binding = 6) readonly buffer CoarseNodes { vec4 coarse[]; }; // as nodes; only if these are not coarse
+layout(scalar) writeonly buffer Nodes { vec4 nodes[]; };
+layout(scalar) readonly buffer Bins { uint bins[]; };   // written by grid_bins.comp
+layout(scalar) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
+layout(scalar) readonly buffer CoarseNodes { vec4 coarse[]; }; // as nodes; only if these are not coarse
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 

@@ -17,14 +17,9 @@ layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 layout(constant_id = kIdCubic) const bool kCubic = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // shared/field.h
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };  // lib/grid_marks.glsl
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 8) uniform sampler2D view_depth;
-layout(binding = 9) uniform sampler2DArray fluence; // server/light/propagation.h
+layout(scalar) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar) buffer Field { float field[]; };          // shared/field.h
+layout(scalar) readonly buffer Marks { uint marks[]; };  // lib/grid_marks.glsl
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 

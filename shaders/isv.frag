@@ -6,8 +6,8 @@
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/tick.glsl"
 
 layout(location = 0) flat in vec4 centre_scale;
 layout(location = 1) flat in vec4 albedo_sigma;

@@ -5,10 +5,10 @@
 // the fan.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 4) readonly buffer Order { uint order[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Order { uint order[]; };
 
 #include "shaders/lib/interval_proxy.glsl"
 

@@ -12,18 +12,11 @@ layout(local_size_x = 8, local_size_y = 8) in; // kSlabTile
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 3) writeonly buffer LitNodes { vec4 lit_nodes[]; };
-layout(scalar, binding = 4) writeonly buffer SunNodes { float sun_nodes[]; };
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
-layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer LitNodes { vec4 lit_nodes[]; };
+layout(scalar) writeonly buffer SunNodes { float sun_nodes[]; };
+layout(scalar) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
 
 layout(push_constant, scalar) uniform Push {
     LitGridShape lit;

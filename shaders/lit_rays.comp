@@ -16,23 +16,16 @@ layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
-layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
-layout(scalar, binding = 3) writeonly buffer Volume { vec4 volume[]; };
-layout(scalar, binding = 4) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 9) readonly buffer Bits { uint light_bits[]; };
-layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
-layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(scalar, binding = 15) readonly buffer LitNodes { vec4 lit_nodes[]; }; // by lit_grid.comp or radiance_nodes.comp
-layout(scalar, binding = 16) readonly buffer SunNodes { float sun_nodes[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/light_bits.glsl"
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Nodes { float nodes[]; }; // written by grid_fill.comp
+layout(scalar) writeonly buffer Volume { vec4 volume[]; };
+layout(scalar) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
+layout(scalar) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
+layout(scalar) readonly buffer LitNodes { vec4 lit_nodes[]; }; // by lit_grid.comp or radiance_nodes.comp
+layout(scalar) readonly buffer SunNodes { float sun_nodes[]; };
 
 layout(push_constant, scalar) uniform Push {
     FroxelGrid froxels;

@@ -18,17 +18,9 @@ layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) writeonly buffer Lit { vec3 lit[]; }; // W/(m^2 sr), row by row
-layout(scalar, binding = 3) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
-layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 6) readonly buffer Bits { uint light_bits[]; };
-layout(scalar, binding = 7) readonly buffer Depths { float light_depths[]; };
-layout(binding = 8) uniform sampler2D view_depth;
-layout(scalar, binding = 9) readonly buffer Nodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 10) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 11) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) writeonly buffer LitByLocalLights { vec3 lit[]; }; // W/(m^2 sr), row by row
+layout(scalar) readonly buffer Field { float field[]; }; // shared/field.h
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/slab_field.glsl"

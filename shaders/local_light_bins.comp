@@ -7,10 +7,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 3) writeonly buffer Bits { uint light_bits[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer LightBits { uint light_bits[]; };
 
 #include "shaders/lib/eye.glsl"
 

@@ -11,10 +11,10 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 2) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 3) writeonly buffer Depths { float light_depths[]; }; // of each volume [y][x][shell]
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer LightDepths { float light_depths[]; }; // of each volume [y][x][shell]
 
 #include "shaders/lib/light_directions.glsl"
 

@@ -16,23 +16,13 @@ layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = true;
 layout(constant_id = kIdJitter) const uint kJitter = kJitterOffset;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Nodes { float nodes[]; };  // written by grid_fill.comp
-layout(scalar, binding = 3) writeonly buffer Seen { vec4 seen[]; };    // [row][column]: light, opacity
-layout(scalar, binding = 4) writeonly buffer Ends { float ends[]; };   // [row][column]: m of view depth
-layout(scalar, binding = 5) readonly buffer Marks { uint marks[]; };   // lib/grid_marks.glsl
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 8) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 9) readonly buffer Bits { uint light_bits[]; };
-layout(scalar, binding = 10) readonly buffer Depths { float light_depths[]; };
-layout(scalar, binding = 11) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 12) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 13) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 14) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(binding = 15) uniform sampler2D view_depth;
-layout(scalar, binding = 16) readonly buffer Pattern { float pattern[]; }; // [row][column], in (0, 1)
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) readonly buffer Nodes { float nodes[]; };  // written by grid_fill.comp
+layout(scalar) writeonly buffer Seen { vec4 seen[]; };    // [row][column]: light, opacity
+layout(scalar) writeonly buffer Ends { float ends[]; };   // [row][column]: m of view depth
+layout(scalar) readonly buffer Marks { uint marks[]; };   // lib/grid_marks.glsl
+layout(scalar) readonly buffer Pattern { float pattern[]; }; // [row][column], in (0, 1)
 
 layout(push_constant, scalar) uniform Push {
     MarchBand band;

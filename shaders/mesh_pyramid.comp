@@ -7,9 +7,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(binding = 1) uniform sampler2D mesh_heights;
-layout(scalar, binding = 2) buffer Pyramid { vec2 mesh_pyramid[]; };
+#include "shaders/blocks/tick.glsl"
+layout(scalar) buffer MeshPyramid { vec2 mesh_pyramid[]; };
 layout(push_constant, scalar) uniform Push { uint level; } push;
 
 #include "shaders/lib/mesh_pyramid.glsl"

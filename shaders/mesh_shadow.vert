@@ -4,8 +4,8 @@
 // Height map of meshes under the sun: a corner of a triangle, seen from the light.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Triangles { Triangle triangles[]; };
+#include "shaders/blocks/meshes.glsl"
+#include "shaders/blocks/tick.glsl"
 
 layout(location = 0) out float height_here; // along to_light
 

@@ -8,11 +8,11 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 3) buffer Bins { uint object_bins[]; };
-layout(scalar, binding = 4) readonly buffer Order { uint object_order[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) buffer ObjectBins { uint object_bins[]; };
+layout(scalar) readonly buffer ObjectOrder { uint object_order[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/objects.glsl"

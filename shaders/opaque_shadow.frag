@@ -4,8 +4,8 @@
 // Opaque shadow map: height along to_light of the top of a box or sphere. Blending keeps the largest.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 layout(push_constant, scalar) uniform Push { uint object; } push;
 
 layout(location = 0) out float height;

@@ -4,8 +4,8 @@
 // Opaque shadow map: the rectangle that a box or a sphere covers, seen from the light.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 layout(push_constant, scalar) uniform Push { uint object; } push;
 
 #include "shaders/lib/objects.glsl"

@@ -15,12 +15,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(binding = 3) uniform sampler2DArray shadow_volume;
-layout(binding = 4) uniform sampler2D opaque_shadow; // read by light.glsl only
-layout(scalar, binding = 5) writeonly buffer Lights { ParticleLight lights[]; };
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer ParticleLights { ParticleLight lights[]; };
 
 layout(push_constant, scalar) uniform Push {
     float tolerance; // of T_L, 0 ... 1

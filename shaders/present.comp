@@ -9,9 +9,9 @@
 
 layout(local_size_x = 8, local_size_y = 4) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 3) writeonly buffer Planes { uint planes[]; }; // lib/planes.glsl
-layout(scalar, binding = 4) readonly buffer Shaded { uint shaded[]; };  // lib/shaded.glsl
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer Planes { uint planes[]; }; // lib/planes.glsl
+layout(scalar) readonly buffer Shaded { uint shaded[]; };  // lib/shaded.glsl
 
 #include "shaders/lib/cubic.glsl"
 #include "shaders/lib/planes.glsl"

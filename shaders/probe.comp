@@ -24,14 +24,14 @@ layout(push_constant) uniform Push { ProbePush push; };
 #define kMultipleColours push.multiple_colours
 const uint kScatteringModel = 0; // and without what has scattered more than once
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(rgba32f, binding = 2) uniform readonly image2D radiance;
-layout(scalar, binding = 3) readonly buffer Pixels { uvec2 pixels[]; };
-layout(scalar, binding = 4) readonly buffer Field { float field[]; }; // shared/field.h
-layout(scalar, binding = 5) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
-layout(scalar, binding = 6) buffer Values { vec4 values[]; };
-layout(scalar, binding = 7) readonly buffer Lit { vec3 lit[]; }; // written by local_light.comp
-layout(binding = 8) uniform sampler2D view_depth;
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(rgba32f) uniform readonly image2D radiance;
+layout(scalar) readonly buffer Pixels { uvec2 pixels[]; };
+layout(scalar) readonly buffer Field { float field[]; }; // shared/field.h
+layout(scalar) readonly buffer Sunlit { vec3 sunlit[]; }; // written by shafts.comp
+layout(scalar) buffer Values { vec4 values[]; };
+layout(scalar) readonly buffer LitByLocalLights { vec3 lit[]; }; // written by local_light.comp
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/cubic.glsl"

@@ -5,12 +5,12 @@
 // Method `gradients`, nested: the light at nodes between those of a grid twice as coarse. It is computed where the
 // interpolation of coarser ones was wrong, and interpolated from these elsewhere. A lane is a node on multiples of
 // push.level. So what tests one grid is the next one.
-#include "shaders/lib/radiance_bindings.glsl"
+#include "shaders/lib/radiance_inputs.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 16) buffer Values { vec4 values[]; }; // of nodes: LightSample::value
-layout(scalar, binding = 17) buffer States { uint states[]; }; // of nodes: 1: the next grid is computed around it
+layout(scalar) buffer Values { vec4 values[]; }; // of nodes: LightSample::value
+layout(scalar) buffer States { uint states[]; }; // of nodes: 1: the next grid is computed around it
 
 #include "shaders/lib/radiance.glsl"
 

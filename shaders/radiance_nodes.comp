@@ -4,16 +4,16 @@
 #extension GL_EXT_control_flow_attributes : require
 // Method `gradients`, last pass: the light at each node, from samples in spheres, from nested grids, or computed. What
 // is written is what lit_grid.comp writes. A workgroup is a brick, a lane a column of nodes.
-#include "shaders/lib/radiance_bindings.glsl"
+#include "shaders/lib/radiance_inputs.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in; // kSlabTile
 
-layout(scalar, binding = 3) writeonly buffer LitNodes { vec4 lit_nodes[]; };
-layout(scalar, binding = 4) writeonly buffer SunNodes { float sun_nodes[]; };
-layout(scalar, binding = 16) readonly buffer Samples { LightSample samples[]; };
-layout(scalar, binding = 17) readonly buffer States { uint states[]; };
-layout(scalar, binding = 18) readonly buffer Spheres { vec4 spheres[]; };
-layout(scalar, binding = 19) readonly buffer Values { vec4 values[]; };
+layout(scalar) writeonly buffer LitNodes { vec4 lit_nodes[]; };
+layout(scalar) writeonly buffer SunNodes { float sun_nodes[]; };
+layout(scalar) readonly buffer Samples { LightSample samples[]; };
+layout(scalar) readonly buffer States { uint states[]; };
+layout(scalar) readonly buffer Spheres { vec4 spheres[]; };
+layout(scalar) readonly buffer Values { vec4 values[]; };
 
 #include "shaders/lib/radiance.glsl"
 #include "shaders/lib/sphere_samples.glsl"

@@ -4,14 +4,14 @@
 #extension GL_EXT_control_flow_attributes : require
 // Method `gradients`: computes light at samples, and its derivatives. A sample that does not interpolate well within
 // its sphere is dropped, and those of the next grid in that sphere are wanted. A lane is a sample of push.level.
-#include "shaders/lib/radiance_bindings.glsl"
+#include "shaders/lib/radiance_inputs.glsl"
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 16) writeonly buffer Samples { LightSample samples[]; };
-layout(scalar, binding = 17) buffer States { uint states[]; };
-layout(scalar, binding = 18) buffer Spheres { vec4 spheres[]; }; // of the first samples: place, radius (m)
-layout(scalar, binding = 19) readonly buffer Particles { Particle particles[]; };
+layout(scalar) writeonly buffer Samples { LightSample samples[]; };
+layout(scalar) buffer States { uint states[]; };
+layout(scalar) buffer Spheres { vec4 spheres[]; }; // of the first samples: place, radius (m)
+#include "shaders/blocks/particles.glsl"
 
 #include "shaders/lib/radiance.glsl"
 #include "shaders/lib/sphere_samples.glsl"

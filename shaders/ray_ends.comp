@@ -16,10 +16,10 @@ layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 layout(constant_id = kIdHasGlass) const bool kHasGlass = false;
 const bool kHasOpaque = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) buffer Field { float field[]; };
-layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
-layout(binding = 8) uniform sampler2D view_depth;
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) buffer Field { float field[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/field_planes.glsl"

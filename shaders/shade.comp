@@ -19,9 +19,8 @@ layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
-layout(scalar, binding = 4) readonly buffer Field { float field[]; };   // shared/field.h
+layout(scalar) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
+layout(scalar) readonly buffer Field { float field[]; };   // shared/field.h
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"

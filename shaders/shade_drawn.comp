@@ -8,8 +8,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(rgba32f, binding = 2) readonly uniform image2D radiance;         // one pixel per node
-layout(scalar, binding = 3) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
+layout(rgba32f) readonly uniform image2D radiance;         // one pixel per node
+layout(scalar) writeonly buffer Shaded { uint shaded[]; }; // lib/shaded.glsl
 
 #include "shaders/lib/display.glsl"
 #include "shaders/lib/planes.glsl"

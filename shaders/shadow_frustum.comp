@@ -10,15 +10,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform GridBlock { ShadowGridBlock shadow_grid; };
-layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 3) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 4) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 5) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(scalar, binding = 6) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
-layout(scalar, binding = 7) writeonly buffer Froxels { uint shadow_froxels[]; };
-layout(scalar, binding = 8) buffer Rays { uint rays_traced; };
+layout(scalar) uniform GridBlock { ShadowGridBlock shadow_grid; };
+layout(scalar) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
+layout(scalar) writeonly buffer Froxels { uint shadow_froxels[]; };
+layout(scalar) buffer Rays { uint rays_traced; };
 
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/object_tree.glsl"

@@ -10,19 +10,17 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform GridBlock { ShadowGridBlock shadow_grid; };
-layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 3) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 4) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 5) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(scalar, binding = 6) buffer Voxels { uint shadow_voxels[]; };
+#include "shaders/blocks/meshes.glsl"
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) uniform GridBlock { ShadowGridBlock shadow_grid; };
+layout(scalar) buffer Voxels { uint shadow_voxels[]; };
 // Of each brick the versions of its even and odd layers; 0: never made.
-layout(scalar, binding = 7) buffer States { uvec2 states[]; };
+layout(scalar) buffer States { uvec2 states[]; };
 // With bits: of each brick a bit for each voxel that is made, 16 words [z][y / 4], bits [y % 4][x].
-layout(scalar, binding = 8) buffer Masks { uint masks[]; };
-layout(scalar, binding = 9) readonly buffer Eyes { ShadowEye eyes[]; };
-layout(scalar, binding = 10) buffer Counter { uint rays_traced; };
+layout(scalar) buffer Masks { uint masks[]; };
+layout(scalar) readonly buffer Eyes { ShadowEye eyes[]; };
+layout(scalar) buffer Counter { uint rays_traced; };
 
 layout(push_constant, scalar) uniform Push { ShadowGridPush push; };
 

@@ -9,10 +9,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) writeonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar, binding = 4) buffer Bits { uint bits[]; };
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer LightParticles { LightParticle light_particles[]; };
+layout(scalar) buffer Bits { uint bits[]; };
 
 layout(push_constant, scalar) uniform Push {
     uvec3 tiles; // columns, rows, groups of planes

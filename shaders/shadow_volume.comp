@@ -14,10 +14,10 @@
 
 layout(local_size_x_id = kIdShadowGroupLanes) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 3) readonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar, binding = 4) readonly buffer Bits { uint bits[]; };
-layout(scalar, binding = 5) writeonly buffer Texels { vec4 texels[]; }; // [layer][row of the band][column]
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer LightParticles { LightParticle light_particles[]; };
+layout(scalar) readonly buffer Bits { uint bits[]; };
+layout(scalar) writeonly buffer Texels { vec4 texels[]; }; // [layer][row of the band][column]
 
 layout(push_constant, scalar) uniform Push {
     uvec3 tiles;     // columns, rows, groups of planes

@@ -20,13 +20,12 @@ const uint kScatteringModel = 0; // what has scattered more than once is not loo
 layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
 const bool kHasOpaque = true, kHasAmbient = false;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) writeonly buffer Sunlit { vec3 sunlit[]; }; // 0 ... 1, row by row
-layout(scalar, binding = 4) readonly buffer Field { float field[]; };  // shared/field.h
-layout(scalar, binding = 5) readonly buffer Objects { Opaque objects[]; };
-layout(binding = 8) uniform sampler2D view_depth;
-layout(binding = 9) uniform sampler2D mesh_heights;
-layout(scalar, binding = 10) readonly buffer Pyramid { vec2 mesh_pyramid[]; };
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) writeonly buffer Sunlit { vec3 sunlit[]; }; // 0 ... 1, row by row
+layout(scalar) readonly buffer Field { float field[]; };  // shared/field.h
+layout(scalar) readonly buffer MeshPyramid { vec2 mesh_pyramid[]; };
 
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/medium_run.glsl"

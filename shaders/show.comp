@@ -6,6 +6,7 @@
 // particles and maps and the eye tell. All particles are asked, or one in push.every; a workgroup leaves out those
 // beside its tile. A lane computes kSide x kSide squares of push.step pixels. Where a view has nothing to say, the
 // picture shows, dimmed.
+#define BRUME_BLOCK_TICK // the tick below is this shader's own
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/show.h"
@@ -21,14 +22,13 @@ layout(constant_id = kIdFading) const bool kFading = true; // false: all of a te
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick_block; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) buffer Planes { uint planes[]; };
-layout(binding = 4) uniform sampler2D view_depth;
-layout(binding = 5) uniform sampler2DArray shadow_volume;
-layout(binding = 6) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 7) readonly buffer Legends { uint legends[]; };
-layout(scalar, binding = 8) readonly buffer Discs { ErrorDisc discs[]; };
+layout(scalar) uniform TickBlock { Tick tick_block; };
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/shadow_volume.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) buffer Planes { uint planes[]; };
+layout(scalar) readonly buffer Legends { uint legends[]; };
+layout(scalar) readonly buffer Discs { ErrorDisc discs[]; };
 
 layout(push_constant, scalar) uniform Push { ShowPush push; };
 

@@ -12,11 +12,11 @@
 
 layout(local_size_x = 32) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) writeonly buffer Members { SlabMember members[]; };
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer Members { SlabMember members[]; };
 // [columns, rows, sheets][32 particles], then pages; all 0 before.
-layout(scalar, binding = 4) buffer Bins { uint bins[]; };
+layout(scalar) buffer Bins { uint bins[]; };
 
 const float kLog2e = 1.4426950408889634;
 // Least standard deviation of a particle, in spacings of rays and slabs. Narrower particles are widened, with the

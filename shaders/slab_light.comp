@@ -16,13 +16,8 @@ layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 layout(constant_id = kIdHasLobe) const bool kHasLobe = true;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Added { float added[]; }; // written by slabs.comp
-layout(scalar, binding = 3) buffer Field { float field[]; };          // shared/field.h
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 8) uniform sampler2D view_depth;
-layout(binding = 9) uniform sampler2DArray fluence; // server/light/propagation.h
+layout(scalar) readonly buffer Added { float added[]; }; // written by slabs.comp
+layout(scalar) buffer Field { float field[]; };          // shared/field.h
 
 #include "shaders/lib/field_planes.glsl"
 

@@ -16,7 +16,7 @@ layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
-layout(scalar, binding = 2) buffer Field { float field[]; };
+layout(scalar) buffer Field { float field[]; };
 
 #include "shaders/lib/field_planes.glsl"
 

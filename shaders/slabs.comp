@@ -20,13 +20,13 @@ layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Members { SlabMember members[]; };
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Members { SlabMember members[]; };
 // [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m. Of a sheet that is hidden or has no
 // members the first number is negative, and no other is written.
-layout(scalar, binding = 3) writeonly buffer Added { vec4 added[]; };
-layout(scalar, binding = 4) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
-layout(scalar, binding = 5) readonly buffer Field { float field[]; }; // with objects: what ray_ends.comp has written
+layout(scalar) writeonly buffer Added { vec4 added[]; };
+layout(scalar) readonly buffer Bins { uint bins[]; };    // written by slab_bins.comp
+layout(scalar) readonly buffer Field { float field[]; }; // with objects: what ray_ends.comp has written
 
 layout(push_constant, scalar) uniform Push {
     uint sheets;     // z of workgroups: views, then quantities, then sheets; a view may have fewer sheets

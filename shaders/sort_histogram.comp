@@ -3,8 +3,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "shaders/lib/sort.glsl"
 
-layout(scalar, binding = 0) readonly buffer Keys { uint keys[]; };
-layout(scalar, binding = 2) writeonly buffer Histogram { uint histogram[]; }; // [digit][block]
+layout(scalar) readonly buffer Keys { uint keys[]; };
+layout(scalar) writeonly buffer Histogram { uint histogram[]; }; // [digit][block]
 
 void main() {
     const uint thread = gl_LocalInvocationIndex;

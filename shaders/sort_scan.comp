@@ -6,7 +6,7 @@
 
 layout(local_size_x = 256) in;
 
-layout(scalar, binding = 2) buffer Histogram { uint histogram[]; };
+layout(scalar) buffer Histogram { uint histogram[]; };
 
 layout(push_constant, scalar) uniform Push { uint count; } push;
 

@@ -3,11 +3,11 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "shaders/lib/sort.glsl"
 
-layout(scalar, binding = 0) readonly buffer Keys { uint keys[]; };
-layout(scalar, binding = 1) readonly buffer Values { uint values[]; };
-layout(scalar, binding = 2) readonly buffer Histogram { uint histogram[]; }; // exclusive prefix sums
-layout(scalar, binding = 3) writeonly buffer KeysOut { uint keys_out[]; };
-layout(scalar, binding = 4) writeonly buffer ValuesOut { uint values_out[]; };
+layout(scalar) readonly buffer Keys { uint keys[]; };
+layout(scalar) readonly buffer Values { uint values[]; };
+layout(scalar) readonly buffer Histogram { uint histogram[]; }; // exclusive prefix sums
+layout(scalar) writeonly buffer KeysOut { uint keys_out[]; };
+layout(scalar) writeonly buffer ValuesOut { uint values_out[]; };
 
 void main() {
     const uint thread = gl_LocalInvocationIndex;

@@ -5,8 +5,7 @@
 // two points at mean -+ standard deviation of the rest. The light depth is looked up at both points.
 #include "shaders/shared/types.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
+#include "shaders/blocks/eye.glsl"
 
 layout(location = 0) flat in vec4 centre_radius;
 layout(location = 1) flat in vec4 albedo_sigma;

@@ -7,10 +7,10 @@
 #include "shaders/shared/types.h"
 #include "shaders/shared/support.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 4) readonly buffer Order { uint order[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Order { uint order[]; };
 
 layout(location = 0) flat out vec4 centre_radius;
 layout(location = 1) flat out vec4 albedo_sigma;

@@ -6,9 +6,9 @@
 #include "shaders/shared/types.h"
 #include "shaders/shared/six_way.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
-layout(scalar, binding = 9) readonly buffer Maps {
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Maps {
     uint map_side, map_frames;
     vec4 map_texels[]; // [frame][row][column]: from the right, the top and the front, depth; from the other sides
 };

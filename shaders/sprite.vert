@@ -5,11 +5,11 @@
 #include "shaders/shared/types.h"
 #include "shaders/shared/splat.h"
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) readonly buffer Lights { ParticleLight lights[]; };
-layout(scalar, binding = 4) readonly buffer Order { uint order[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer ParticleLights { ParticleLight lights[]; };
+layout(scalar) readonly buffer Order { uint order[]; };
 
 layout(location = 0) out vec2 at;                // -1 ... 1, to the right and up
 layout(location = 1) flat out vec4 albedo_light; // the part of the sun's light that arrives

@@ -19,17 +19,13 @@ layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = false;
 layout(constant_id = kIdSteps) const int kNodes = 2;
 layout(constant_id = kIdScattering) const uint kScatteringModel = 0;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) readonly buffer Cells { Tetrahedron cells[]; };
-layout(scalar, binding = 4) readonly buffer Faces { TetrahedraFace faces[]; };
-layout(scalar, binding = 5) readonly buffer FaceNodes { ObjectNode face_nodes[]; };
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 8) uniform sampler2D view_depth;
-layout(rgba32f, binding = 9) uniform image2D radiance;
-layout(binding = 10) uniform sampler2DArray fluence;
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(scalar) readonly buffer Cells { Tetrahedron cells[]; };
+layout(scalar) readonly buffer Faces { TetrahedraFace faces[]; };
+layout(scalar) readonly buffer FaceNodes { ObjectNode face_nodes[]; };
+layout(rgba32f) uniform image2D radiance;
 
 layout(push_constant, scalar) uniform Push {
     vec3 albedo;  // of all corners, with kOneAlbedo

@@ -9,12 +9,11 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) readonly buffer Cells { Tetrahedron cells[]; };
-layout(scalar, binding = 4) readonly buffer Faces { TetrahedraFace faces[]; };
-layout(scalar, binding = 5) writeonly buffer Texels { vec4 texels[]; }; // [layer][row of the band][column]
-layout(scalar, binding = 6) readonly buffer FaceNodes { ObjectNode face_nodes[]; };
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Cells { Tetrahedron cells[]; };
+layout(scalar) readonly buffer Faces { TetrahedraFace faces[]; };
+layout(scalar) writeonly buffer Texels { vec4 texels[]; }; // [layer][row of the band][column]
+layout(scalar) readonly buffer FaceNodes { ObjectNode face_nodes[]; };
 
 layout(push_constant, scalar) uniform Push { TetrahedraBand band; } push;
 

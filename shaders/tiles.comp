@@ -15,16 +15,14 @@
 
 layout(local_size_x_id = kIdTileLanes) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; MapRays map_rays; };
-layout(rgba32f, binding = 2) uniform image2D radiance;
-layout(binding = 3) uniform sampler2DArray shadow_volume;
-layout(binding = 4) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
-layout(binding = 6) uniform sampler2D view_depth;
-layout(scalar, binding = 7) readonly buffer Cones { SplatCone cones[]; };
-layout(scalar, binding = 8) readonly buffer Splats { Splat splats[]; };
-layout(scalar, binding = 9) readonly buffer Masks { uint masks[]; }; // [word][block]
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
+layout(rgba32f) uniform image2D radiance;
+layout(scalar) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar) readonly buffer Cones { SplatCone cones[]; };
+layout(scalar) readonly buffer Splats { Splat splats[]; };
+layout(scalar) readonly buffer Masks { uint masks[]; }; // [word][block]
 
 layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
 

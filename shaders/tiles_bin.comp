@@ -9,10 +9,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
-layout(scalar, binding = 7) readonly buffer Cones { SplatCone cones[]; };
-layout(scalar, binding = 9) writeonly buffer Masks { uint masks[]; }; // [word][block]
+#include "shaders/blocks/eye.glsl"
+layout(scalar) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar) readonly buffer Cones { SplatCone cones[]; };
+layout(scalar) writeonly buffer Masks { uint masks[]; }; // [word][block]
 
 layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
 

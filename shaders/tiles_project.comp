@@ -10,14 +10,14 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 4) readonly buffer Order { uint order[]; }; // far to near
-layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
-layout(scalar, binding = 6) readonly buffer Lights { ParticleLight lights[]; };
-layout(scalar, binding = 7) writeonly buffer Cones { SplatCone cones[]; };
-layout(scalar, binding = 8) writeonly buffer Splats { Splat splats[]; };
+#include "shaders/blocks/eye.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) readonly buffer Order { uint order[]; }; // far to near
+layout(scalar) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar) readonly buffer ParticleLights { ParticleLight lights[]; };
+layout(scalar) writeonly buffer Cones { SplatCone cones[]; };
+layout(scalar) writeonly buffer Splats { Splat splats[]; };
 
 layout(constant_id = kIdCached) const bool kCached = true;
 

@@ -6,9 +6,9 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 2) buffer Bits { uint union_bits[]; }; // [row][column][word], all 0
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) buffer UnionBits { uint union_bits[]; }; // [row][column][word], all 0
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;

@@ -8,12 +8,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) readonly buffer ObjectNodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 5) writeonly buffer Lights { ParticleLight lights[]; };
-layout(scalar, binding = 6) readonly buffer Bits { uint union_bits[]; };
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
+layout(scalar) writeonly buffer ParticleLights { ParticleLight lights[]; };
+layout(scalar) readonly buffer UnionBits { uint union_bits[]; };
 
 layout(push_constant, scalar) uniform Push {
     uint group, groups; // particles group, group + groups, group + 2 groups ... are written

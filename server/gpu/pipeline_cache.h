@@ -14,10 +14,9 @@
 
 namespace brume::gpu {
 
-// A pipeline with its layout, and the resources that its shaders expect.
+// A pipeline with its layout, and the resources that its shaders read.
 struct Pipeline {
-    struct Expected {
-        uint32_t binding;
+    struct Expected { // at the binding that is its index
         VkDescriptorType type;
         std::string name;
     };
@@ -37,9 +36,11 @@ struct Pipeline {
     VkShaderStageFlags stages = 0;
     uint32_t push_bytes = 0;
     std::vector<Expected> expected;
+    std::vector<std::vector<uint32_t>> code; // of each shader, with those bindings; empty once it is compiled
 
 private:
-    void reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids);
+    // Adds what the shader reads, and writes the bindings of that into its words.
+    void reflect(const ShaderCode& shader, std::vector<uint32_t>& words, std::vector<uint32_t>& constant_ids);
     void createLayout();
     void destroy();
 };

@@ -49,27 +49,13 @@ const char* typeName(VkDescriptorType type) {
 
 } // namespace
 
-Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
-    if (size == VK_WHOLE_SIZE) size = buffer.size() - offset;
-    return {binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, {buffer.handle(), offset, size}, {}};
-}
-Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size) {
-    return {binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, {buffer.handle(), offset, size}, {}};
-}
-Resource storageImage(uint32_t binding, const Image& image) {
-    return {binding, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, {}, {VK_NULL_HANDLE, image.view(), VK_IMAGE_LAYOUT_GENERAL}};
-}
-Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler) {
-    return {binding,
-            VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-            {},
-            {sampler.handle(), image.view(), VK_IMAGE_LAYOUT_GENERAL}};
-}
-
 Pipeline::Pipeline(const Device& owner, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants)
     : device(owner), name(shaders.front().name), text(textOf(name, constants)) {
     std::vector<uint32_t> known;
-    for (const ShaderCode& shader : shaders) reflect(shader, known);
+    for (const ShaderCode& shader : shaders) {
+        code.emplace_back(shader.words.begin(), shader.words.end());
+        reflect(shader, code.back(), known);
+    }
     for (const SpecConstant& c : constants)
         if (std::find(known.begin(), known.end(), c.id) == known.end())
             throw Error(name + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
@@ -90,7 +76,7 @@ void Pipeline::destroy() {
     vkDestroyDescriptorSetLayout(device.handle(), set_layout, nullptr);
 }
 
-void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant_ids) {
+void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& words, std::vector<uint32_t>& constant_ids) {
     stages |= shader.stage;
     spvc_context context = nullptr;
     if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
@@ -123,14 +109,13 @@ void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant
     for (const auto& [kind, type] : kKinds) {
         need(spvc_resources_get_resource_list_for_type(resources, kind, &list, &count));
         for (size_t i = 0; i < count; ++i) {
-            const uint32_t binding = spvc_compiler_get_decoration(compiler, list[i].id, SpvDecorationBinding);
-            const auto known =
-                std::find_if(expected.begin(), expected.end(), [&](const auto& e) { return e.binding == binding; });
-            if (known == expected.end())
-                expected.push_back({binding, type, list[i].name});
-            else if (known->type != type)
-                throw Error(std::string(shader.name) + ": binding " + std::to_string(binding) +
-                            " is used as two kinds");
+            const auto known = std::find_if(expected.begin(), expected.end(),
+                                            [&](const auto& e) { return e.type == type && e.name == list[i].name; });
+            uint32_t at = 0;
+            if (!spvc_compiler_get_binary_offset_for_decoration(compiler, list[i].id, SpvDecorationBinding, &at))
+                throw Error(std::string(shader.name) + ": '" + list[i].name + "' has no binding to be set");
+            words[at] = uint32_t(known - expected.begin());
+            if (known == expected.end()) expected.push_back({type, list[i].name});
         }
     }
     need(spvc_resources_get_resource_list_for_type(resources, SPVC_RESOURCE_TYPE_PUSH_CONSTANT, &list, &count));
@@ -150,7 +135,7 @@ void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& constant
 
 void Pipeline::createLayout() {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const Expected& e : expected) bindings.push_back({e.binding, e.type, 1, stages, nullptr});
+    for (const Expected& e : expected) bindings.push_back({uint32_t(bindings.size()), e.type, 1, stages, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
@@ -180,20 +165,20 @@ void checkRange(const Pipeline& pipeline, const Resource& given, const Pipeline:
 
 } // namespace
 
-void Program::bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const {
+void Program::bind(Commands& commands, const Resources& shared, std::span<const Resource> own,
+                   std::span<const std::byte> push) const {
     const Pipeline& p = *pipeline_;
     std::array<VkWriteDescriptorSet, kMaxBindings> writes;
     uint32_t count = 0;
     for (const Pipeline::Expected& e : p.expected) {
-        const auto given =
-            std::find_if(resources.begin(), resources.end(), [&](const auto& r) { return r.binding == e.binding; });
-        if (given == resources.end() || given->type != e.type)
-            throw Error(p.name + ": binding " + std::to_string(e.binding) + " needs a " + typeName(e.type) + " '" +
-                        e.name + "'");
+        const auto mine =
+            std::find_if(own.begin(), own.end(), [&](const auto& r) { return r.type == e.type && r.name == e.name; });
+        const Resource* const given = mine != own.end() ? &*mine : shared.find(e.name, e.type);
+        if (!given) throw Error(p.name + ": nobody gives it the " + typeName(e.type) + " '" + e.name + "'");
         checkRange(p, *given, e);
         VkWriteDescriptorSet& write = writes[count++];
         write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstBinding = e.binding;
+        write.dstBinding = count - 1;
         write.descriptorCount = 1;
         write.descriptorType = e.type;
         write.pBufferInfo = &given->buffer;
@@ -237,7 +222,8 @@ std::shared_ptr<const Pipeline> cached(const Device& device, PipelineCache::Key 
 std::shared_ptr<const Pipeline> compile(const Device& device, const ShaderCode& shader,
                                         std::span<const SpecConstant> constants) {
     const auto made = std::make_shared<Pipeline>(device, std::span(&shader, 1), constants);
-    const ShaderModule module(device.handle(), shader, constants);
+    const ShaderModule module(device.handle(), {shader.stage, made->code.front(), shader.name}, constants);
+    made->code = {};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage.stage = shader.stage;
@@ -254,14 +240,16 @@ std::shared_ptr<const Pipeline> compile(const Device& device, std::span<const Sh
     made->bind_point = VK_PIPELINE_BIND_POINT_GRAPHICS;
     std::vector<std::unique_ptr<ShaderModule>> modules;
     std::vector<VkPipelineShaderStageCreateInfo> stages;
-    for (const ShaderCode& shader : shaders) {
-        modules.push_back(std::make_unique<ShaderModule>(device.handle(), shader, constants));
+    for (size_t i = 0; i < shaders.size(); ++i) {
+        const ShaderCode bound{shaders[i].stage, made->code[i], shaders[i].name};
+        modules.push_back(std::make_unique<ShaderModule>(device.handle(), bound, constants));
         VkPipelineShaderStageCreateInfo stage{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-        stage.stage = shader.stage;
+        stage.stage = shaders[i].stage;
         stage.module = modules.back()->handle;
         stage.pName = "main";
         stages.push_back(stage);
     }
+    made->code = {};
     VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
     assembly.topology = what.topology;

@@ -1,5 +1,5 @@
-// Shader programs. Descriptor layout and size of the push constants are read from the SPIR-V, and every use is
-// checked against them.
+// Shader programs. What shaders read, by name, and the size of their push constants are read from the SPIR-V, and every
+// use is checked against them.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "server/gpu/resource.h"
+#include "server/gpu/named_resources.h"
 #include "shaders/shared/constants.h"
 
 namespace brume::gpu {
@@ -29,19 +29,6 @@ struct SpecConstant {
     uint32_t value;
 };
 
-// One descriptor of a pass.
-struct Resource {
-    uint32_t binding = 0;
-    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    VkDescriptorBufferInfo buffer{};
-    VkDescriptorImageInfo image{};
-};
-Resource storageBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset = 0,
-                       VkDeviceSize size = VK_WHOLE_SIZE);
-Resource uniformBuffer(uint32_t binding, const Buffer& buffer, VkDeviceSize offset, VkDeviceSize size);
-Resource storageImage(uint32_t binding, const Image& image);
-Resource sampledImage(uint32_t binding, const Image& image, const Sampler& sampler);
-
 struct Pipeline;
 
 // A pipeline to be bound. Programs of the same shaders and constants share one, also with those that are gone
@@ -50,16 +37,24 @@ class Program {
 public:
     Program() = default;
 
-    // Binds pipeline, descriptors and push constants. Throws Error if a resource that the shaders use is missing, has
-    // another type, or is larger than the device can bind. Throws Error if the push constants have another size.
-    void bind(Commands& commands, std::span<const Resource> resources, std::span<const std::byte> push) const;
+    // Binds pipeline, descriptors and push constants. What the shaders read is in `own`, else in `shared`. Throws Error
+    // if neither has it, or if it is larger than the device can bind. Throws Error if the push constants have another
+    // size.
+    void bind(Commands& commands, const Resources& shared, std::span<const Resource> own,
+              std::span<const std::byte> push) const;
     template <class Push>
-    void bind(Commands& commands, std::initializer_list<Resource> resources, const Push& push) const {
-        bind(commands, std::span(resources.begin(), resources.size()), std::as_bytes(std::span(&push, 1)));
+    void bind(Commands& commands, const Resources& shared, std::initializer_list<Resource> own,
+              const Push& push) const {
+        bind(commands, shared, std::span(own.begin(), own.size()), std::as_bytes(std::span(&push, 1)));
     }
-    void bind(Commands& commands, std::initializer_list<Resource> resources) const {
-        bind(commands, std::span(resources.begin(), resources.size()), {});
+    void bind(Commands& commands, const Resources& shared, std::initializer_list<Resource> own) const {
+        bind(commands, shared, std::span(own.begin(), own.size()), {});
     }
+    template <class Push>
+    void bind(Commands& commands, std::initializer_list<Resource> own, const Push& push) const {
+        bind(commands, Resources(), own, push);
+    }
+    void bind(Commands& commands, std::initializer_list<Resource> own) const { bind(commands, Resources(), own); }
     explicit operator bool() const { return pipeline_ != nullptr; }
 
 protected:

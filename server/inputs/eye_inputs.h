@@ -12,9 +12,16 @@ namespace brume {
 struct RenderTarget {
     gpu::Image radiance;   // RGBA32F: radiance, and transmittance of the medium in front of it
     gpu::Image view_depth; // R32F: m, of the nearest opaque surface
+
+    // As images that are written, and as one that is sampled.
+    void giveTo(gpu::Resources& resources, const gpu::Sampler& nearest) const {
+        resources.give(gpu::storageImage("radiance", radiance));
+        resources.give(gpu::storageImage("view_depth", view_depth));
+        resources.give(gpu::sampledImage("view_depth", view_depth, nearest));
+    }
 };
 
-// EyeInputs describes two pictures of one eye. size, step, pose and eye are of the drawn pixels; block and view_block
+// EyeInputs describes two pictures of one eye. size, step, pose and EyeBlock are of the drawn pixels; block and Views
 // are of the finished picture, with step x step pixels for each drawn one.
 struct EyeInputs {
     const TickInputs* shared = nullptr;
@@ -26,14 +33,15 @@ struct EyeInputs {
     uint32_t rate = 0; // pixels between rays, for methods that have rays. It is EyeRequest::rate, or where that is 0
                        // RenderSettings::rate; where both are 0, the medium's band limit decides
     Pose pose;
-    gpu::Resource eye;                // gpu::Eye of the drawn pixels: uniform block, binding 1
-    gpu::Resource stereo_partner;     // gpu::Eye of this head's other eye, binding 6. This eye's own in mono,
-                                      // without shared_order, or if the two eyes see different levels of detail
     const gpu::View* block = nullptr; // the finished picture: its eye, its rows and where its bytes go; on the CPU
-    gpu::Resource view_block;         // *block in device memory: storage buffer, binding 1. A pass binds this or `eye`
-    uint64_t history = 0;             // EyeRequest::history
-    bool near_plane_cuts = true;      // True: the near plane may cut particles
-    bool order_ready = false;         // True: DepthOrder holds this eye's order already, no sort is needed
+    // EyeBlock, a gpu::Eye; Views, *block alone; radiance and view_depth of the target. OtherBlock is the gpu::Eye of
+    // this head's other eye. It is this eye's own in mono, without shared_order, or if the two eyes see different
+    // levels of detail. And MediumView::resources.
+    gpu::Resources resources;
+    uint64_t history = 0;        // EyeRequest::history
+    bool near_plane_cuts = true; // True: the near plane may cut particles
+    bool for_both_eyes = false;  // True: this eye's order is for both eyes of its head
+    bool order_ready = false;    // True: DepthOrder holds this eye's order already, no sort is needed
     bool again = false; // True: the method's last group was the same, up to surfaces that are farther or as far
 };
 

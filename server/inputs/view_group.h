@@ -14,7 +14,8 @@ namespace brume {
 struct ViewGroup {
     const EyeInputs* any = nullptr;           // an eye of the group; settings and medium are equal in all eyes
     std::span<const gpu::View> views;         // on the CPU: whole pictures, or bands of their rows
-    gpu::Resource block;                      // the views on the device: storage buffer, binding 1
+    gpu::Resource block;                      // the views on the device: Views
+    gpu::Resources resources;                 // that; Field, where there is one; and those of `any`
     uint32_t rate = 1;                        // pixels between neighbouring rays of the fields
     gpu::FieldColours colours{1, 0, 0, 0, 0}; // of the fields (shaders/shared/field.h)
     uint32_t step = 1;                        // pixels between those that are shaded
@@ -49,7 +50,11 @@ inline uint32_t shadedWords(const gpu::View& view, uint32_t step) {
 
 // The group of one eye whose medium is drawn into its target.
 inline ViewGroup drawnAlone(const EyeInputs& in) {
-    return {.any = &in, .views = {in.block, 1}, .block = in.view_block, .step = in.step};
+    return {.any = &in,
+            .views = {in.block, 1},
+            .block = in.resources.storage("Views"),
+            .resources = gpu::Resources(&in.resources),
+            .step = in.step};
 }
 inline void drawnOneByOne(std::span<const EyeInputs> eyes, std::vector<ViewGroup>& groups) {
     groups.clear();

@@ -46,7 +46,7 @@ void LocalLights::giveBack() {
     prepare({}, 0, 0);
 }
 
-void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium, const gpu::Buffer& buffer,
+void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium,
                                std::span<const gpu::LocalLight> lights) {
     const auto has_volume = [](const gpu::LocalLight& light) { return light.volume != gpu::kNoVolume; };
     if (std::ranges::none_of(lights, has_volume)) return;
@@ -58,8 +58,7 @@ void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium
         depths_program_ = gpu::ComputeProgram(
             device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_depth_comp, "local_light_depth"}, {});
     gpu::everythingBefore(commands.handle());
-    depths_program_.bind(commands, {medium.tick, gpu::storageBuffer(1, *medium.particles),
-                                    gpu::storageBuffer(2, buffer), gpu::storageBuffer(3, depths_)});
+    depths_program_.bind(commands, medium.resources, {gpu::storageBuffer("LightDepths", depths_)});
     vkCmdDispatch(commands.handle(), gpu::kMostLightSide / 8, gpu::kMostLightSide / 8, uint32_t(lights.size()));
     gpu::everythingBefore(commands.handle());
 }
@@ -70,8 +69,7 @@ void LocalLights::recordBins(gpu::Commands& commands, const EyeInputs& in) {
         bins_program_ =
             gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_bins_comp, "local_light_bins"}, {});
     gpu::everythingBefore(commands.handle()); // the eye before has read its own
-    bins_program_.bind(commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->local_lights),
-                                  gpu::storageBuffer(3, bits_)});
+    bins_program_.bind(commands, in.resources, {gpu::storageBuffer("LightBits", bits_)});
     vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
     gpu::everythingBefore(commands.handle());
 }
@@ -96,13 +94,7 @@ void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdMultipleColours, group.colours.multiple}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands,
-                     {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, lit_),
-                      gpu::storageBuffer(3, *in.shared->local_lights), gpu::storageBuffer(4, *group.field),
-                      gpu::storageBuffer(5, *in.shared->objects), gpu::storageBuffer(6, bits_),
-                      gpu::storageBuffer(7, depths_), gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                      gpu::storageBuffer(9, *in.shared->object_nodes), gpu::storageBuffer(10, *in.shared->triangles),
-                      gpu::storageBuffer(11, *in.shared->mesh_nodes)});
+        program.bind(commands, group.resources, {group.blockOf(i), gpu::storageBuffer("LitByLocalLights", lit_)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
                       gpu::groups(view.end - view.first, gpu::kPixelTile), 1);

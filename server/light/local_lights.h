@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/gpu/program.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -22,8 +23,7 @@ public:
     // Precondition: nothing of it is on the device.
     void prepare(std::span<const EyeRequest> eyes, uint32_t lights, uint32_t volumes);
     // The volumes, unless particles and lights are those of the last call. Ends with its writes visible to all.
-    void recordDepths(gpu::Commands& commands, const MediumView& medium, const gpu::Buffer& buffer,
-                      std::span<const gpu::LocalLight> lights);
+    void recordDepths(gpu::Commands& commands, const MediumView& medium, std::span<const gpu::LocalLight> lights);
     // Of the eye whose surfaces are drawn next. Ends with its writes visible to compute and fragments.
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
     // Precondition: the group has a field, and its eye's bins are recorded. Ends with its writes visible to compute.

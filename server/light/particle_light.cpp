@@ -12,16 +12,13 @@ ParticleLight::ParticleLight(const gpu::Device& device, uint32_t capacity)
               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
               "particle light") {}
 
-void ParticleLight::record(gpu::Commands& commands, const Inputs& in, uint32_t count, float tolerance) {
+void ParticleLight::record(gpu::Commands& commands, const gpu::Resources& medium, uint32_t count, float tolerance) {
     if (count == 0 || tolerance == tolerance_) return;
     tolerance_ = tolerance;
     const VkCommandBuffer cmd = commands.handle();
     const gpu::Commands::Pass pass(commands, "particle light");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
-    program_.bind(commands,
-                  {in.tick, gpu::storageBuffer(1, *in.objects), gpu::storageBuffer(2, *in.particles),
-                   gpu::sampledImage(3, *in.shadow_volume, *in.linear), gpu::storageBuffer(5, lights_)},
-                  tolerance);
+    program_.bind(commands, medium, {gpu::storageBuffer("ParticleLights", lights_)}, tolerance);
     vkCmdDispatch(cmd, gpu::groups(count, 64), 1, 1);
     gpu::computeToCompute(cmd);
 }

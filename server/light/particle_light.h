@@ -14,16 +14,10 @@ class ParticleLight {
 public:
     ParticleLight(const gpu::Device& device, uint32_t capacity);
 
-    struct Inputs {
-        gpu::Resource tick; // binding 0
-        const gpu::Buffer *objects, *particles;
-        const gpu::Image* shadow_volume;
-        const gpu::Sampler* linear;
-    };
     // Records the light of `count` particles, unless the buffer holds it already. A particle whose fit errs by more
     // than `tolerance` (of the light's transmittance, 0 ... 1) gets gpu::kLookUp. Precondition: the shadow volume is
     // recorded. Its writes are then visible to compute.
-    void record(gpu::Commands& commands, const Inputs& inputs, uint32_t count, float tolerance);
+    void record(gpu::Commands& commands, const gpu::Resources& medium, uint32_t count, float tolerance);
     // To be called when light or particles have changed.
     void invalidate() { tolerance_ = -1; }
 

@@ -99,37 +99,34 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, fluxes_.handle(), 0, VK_WHOLE_SIZE, 0);
     gpu::transferToCompute(cmd);
-    const auto run = [&](const gpu::ComputeProgram& program, std::initializer_list<gpu::Resource> resources,
-                         const Push& push, uint32_t lanes) {
-        program.bind(commands, resources, push);
+    gpu::Resources resources(&all.resources);
+    resources.give(storageBuffer("Cells", cells_));
+    resources.give(storageBuffer("FluxesBlock", fluxes_));
+    resources.give(storageBuffer("Fluence", fluence_));
+    if (surfaces) resources.give(storageBuffer("Surfaces", surfaces_));
+    const auto run = [&](const gpu::ComputeProgram& program, const Push& push, uint32_t lanes) {
+        program.bind(commands, resources, {}, push);
         vkCmdDispatch(cmd, gpu::groups(lanes, kLanes), 1, 1);
         gpu::computeToCompute(cmd);
     };
-    const gpu::Resource cells = storageBuffer(1, cells_), fluxes = storageBuffer(2, fluxes_);
-    const gpu::Resource depths = gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
-                        casters = gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
-                        heights = gpu::sampledImage(9, *tick.mesh_heights, *tick.nearest);
     Push push{side, 0, count, channels, 0, 1, 0, tick.reflecting_count, surfaces ? settings.surface_parts : 0};
-    run(programs.first, {all.tick, cells, depths, casters, heights}, push, cellsOf(side));
+    run(programs.first, push, cellsOf(side));
     const auto next = [&] { push.first += cellsOf(push.side), push.side /= 2; };
     if (surfaces) {
         next();
-        run(coarser_, {all.tick, cells}, push, cellsOf(push.side));
-        run(programs.surfaces,
-            {all.tick, cells, storageBuffer(2, surfaces_), storageBuffer(3, *tick.objects),
-             storageBuffer(4, *tick.object_nodes), storageBuffer(5, *tick.reflecting), depths, casters, heights},
-            push, cellsOf(push.side));
+        run(coarser_, push, cellsOf(push.side));
+        run(programs.surfaces, push, cellsOf(push.side));
         push.side = side, push.first = 0;
-        run(lit_, {all.tick, cells, storageBuffer(2, surfaces_), storageBuffer(3, fluence_)}, push, cellsOf(side));
+        run(lit_, push, cellsOf(side));
     }
     for (uint32_t level = 1; level < gpu::kFluxLevels; ++level) {
         next();
-        run(coarser_, {all.tick, cells}, push, cellsOf(push.side));
+        run(coarser_, push, cellsOf(push.side));
     }
     for (uint32_t level = gpu::kFluxLevels; level-- > 0;) {
         if (level + 1 < gpu::kFluxLevels) {
             push.side *= 2, push.first -= cellsOf(push.side);
-            run(finer_, {all.tick, fluxes}, push, cellsOf(push.side));
+            run(finer_, push, cellsOf(push.side));
         }
         const uint32_t half_steps = 2 * settings.iterations << level;
         const bool few = level > 0 && cellsOf(push.side) <= kFewCells;
@@ -137,7 +134,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
         for (uint32_t i = 0; i < half_steps; i += push.half_steps) {
             push.parity = i & 1;
             push.last = level == 0 && i + 2 >= half_steps;
-            pass_.bind(commands, {all.tick, cells, fluxes, storageBuffer(3, fluence_)}, push);
+            pass_.bind(commands, resources, {}, push);
             vkCmdDispatch(cmd, few ? 1 : gpu::groups(cellsOf(push.side) / 2, kPassLanes), 1, 1);
             gpu::computeToCompute(cmd);
         }

@@ -15,8 +15,8 @@ class Propagation {
 public:
     explicit Propagation(const gpu::Device& device) : device_(device) {}
 
-    // Records the fluence of the medium whose depths are in `tick.shadow_volume`, with the extinction of the block
-    // `all.tick`, unless the image holds it already: the hue, objects and settings are compared here. Precondition:
+    // Records the fluence of the medium whose depths are in shadow_volume, with the extinction of the TickBlock of
+    // `all`, unless the image holds it already: the hue, objects and settings are compared here. Precondition:
     // tick.tick->multiple.cells > 0.
     void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all);
     // The depths are others from now on.

@@ -14,7 +14,7 @@ constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = gpu::
 
 } // namespace
 
-void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
+void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resources& tick_resources, const TickInputs& shared,
                           const ShadowGrid& grid, std::span<const gpu::Eye> eyes,
                           std::span<const ShadowSlices> slices) {
     if (eyes.empty()) return;
@@ -56,13 +56,10 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resource& tick_blo
                           std::min(kAtOnce, made_.size() - at) * sizeof(gpu::ShadowFrustum), &made_[at]);
     gpu::everythingBefore(cmd);
     if (most > 0) {
-        gpu::Resource tick = tick_block;
-        tick.binding = 0;
-        program.bind(commands, {tick, gpu::uniformBuffer(1, grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
-                                gpu::storageBuffer(2, *shared.objects), gpu::storageBuffer(3, *shared.object_nodes),
-                                gpu::storageBuffer(4, *shared.triangles), gpu::storageBuffer(5, *shared.mesh_nodes),
-                                gpu::storageBuffer(6, frusta_), gpu::storageBuffer(7, froxels_),
-                                gpu::storageBuffer(8, rays_.buffer())});
+        program.bind(commands, tick_resources,
+                     {gpu::uniformBuffer("GridBlock", grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                      gpu::storageBuffer("Frusta", frusta_), gpu::storageBuffer("Froxels", froxels_),
+                      gpu::storageBuffer("Rays", rays_.buffer())});
         vkCmdDispatch(cmd, gpu::groups(most, 64), 1, uint32_t(made_.size()));
     }
     rays_.end(commands);

@@ -30,7 +30,7 @@ public:
     // call. 2 MiB for an eye at most, 96 MiB for all. Eyes that need more get fewer slices. Slices of each eye:
     // `slices` has one for all, or as many as there are eyes. Preconditions: the grid has recorded this tick's lights;
     // nothing of the frusta is on the device. Ends with its writes visible to all.
-    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const TickInputs& shared,
+    void record(gpu::Commands& commands, const gpu::Resources& tick_resources, const TickInputs& shared,
                 const ShadowGrid& grid, std::span<const gpu::Eye> eyes, std::span<const ShadowSlices> slices);
 
     // For lib/shadow_frustum.glsl.

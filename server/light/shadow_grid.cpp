@@ -168,14 +168,10 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_grid_comp, "shadow_grid"},
                                       {{gpu::kIdHasMeshes, meshes}});
     if (!slots.lights.empty() && !in.eyes.empty()) {
-        gpu::Resource tick = in.tick_block;
-        tick.binding = 0;
-        program.bind(commands,
-                     {tick, gpu::uniformBuffer(1, block_, 0, sizeof shape), gpu::storageBuffer(2, *in.shared.objects),
-                      gpu::storageBuffer(3, *in.shared.object_nodes), gpu::storageBuffer(4, *in.shared.triangles),
-                      gpu::storageBuffer(5, *in.shared.mesh_nodes), gpu::storageBuffer(6, voxels_),
-                      gpu::storageBuffer(7, states_), gpu::storageBuffer(8, masks_), gpu::storageBuffer(9, eyes_),
-                      gpu::storageBuffer(10, rays_.buffer())},
+        program.bind(commands, in.resources,
+                     {gpu::uniformBuffer("GridBlock", block_, 0, sizeof shape), gpu::storageBuffer("Voxels", voxels_),
+                      gpu::storageBuffer("States", states_), gpu::storageBuffer("Masks", masks_),
+                      gpu::storageBuffer("Eyes", eyes_), gpu::storageBuffer("Counter", rays_.buffer())},
                      gpu::ShadowGridPush{version_, settings.parity ? layer_ : 2u, uint32_t(in.eyes.size())});
         vkCmdDispatch(cmd, shape.bricks.x, shape.bricks.y, shape.bricks.z);
         layer_ ^= 1u;

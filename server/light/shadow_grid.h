@@ -33,8 +33,8 @@ ShadowSlots shadowSlots(const gpu::Tick& tick, std::span<const gpu::LocalLight> 
 gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::vec3 lo, glm::vec3 hi, uint32_t slots);
 
 struct ShadowGridInputs {
-    const gpu::Resource& tick_block;         // uniform block, binding 0
-    const gpu::Tick& tick;                   // what that block holds, on the CPU
+    const gpu::Resources& resources;         // of the tick
+    const gpu::Tick& tick;                   // its block, on the CPU
     const TickInputs& shared;                // objects, trees and settings
     std::span<const gpu::LocalLight> lights; // all of the tick
     glm::vec3 lo, hi;                        // m, what the grid covers

@@ -82,22 +82,21 @@ void ShadowVolume::inBands(VkCommandBuffer cmd, const gpu::Tick& tick, const Rec
     }
 }
 
-bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                          const gpu::Buffer& particles, bool same_particles, const TetrahedraBuffers* tetrahedra) {
+bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                          bool same_particles, const TetrahedraBuffers* tetrahedra) {
     if (image_ && same_particles && sameVolume(tick, last_)) return false;
     last_ = tick;
     const gpu::Commands::Pass pass(commands, tetrahedra ? "tetrahedra shadow" : "shadow volume");
     fit(commands.handle(), tick);
     gpu::everythingBefore(commands.handle()); // the last tick's viewers have read it
     if (tetrahedra)
-        recordTetrahedra(commands, tick_block, tick, particles, *tetrahedra);
+        recordTetrahedra(commands, shared, tick, *tetrahedra);
     else
-        recordParticles(commands, tick_block, tick, particles);
+        recordParticles(commands, shared, tick);
     return true;
 }
 
-void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                                   const gpu::Buffer& particles) {
+void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     const VkCommandBuffer cmd = commands.handle();
     const Bins bins{{gpu::groups(tick.map.texels.x, shape_.lanes), gpu::groups(tick.map.texels.y, kRows),
                      gpu::groups(tick.map.slices - 1, kGroup)},
@@ -107,31 +106,30 @@ void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resource&
                   gpu::Memory::device, "shadow bins");
     vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
-    particles_.bind(
-        commands,
-        {tick_block, storageBuffer(2, particles), storageBuffer(3, light_particles_), storageBuffer(4, bits_)}, bins);
+    particles_.bind(commands, shared, {storageBuffer("LightParticles", light_particles_), storageBuffer("Bits", bits_)},
+                    bins);
     vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
     gpu::computeToCompute(cmd);
     inBands(cmd, tick, [&](uint32_t first, uint32_t rows) {
         const Band band{bins, first, rows};
-        volume_.bind(
-            commands,
-            {tick_block, storageBuffer(3, light_particles_), storageBuffer(4, bits_), storageBuffer(5, texels_)}, band);
+        volume_.bind(commands, shared,
+                     {storageBuffer("LightParticles", light_particles_), storageBuffer("Bits", bits_),
+                      storageBuffer("Texels", texels_)},
+                     band);
         vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
     });
 }
 
-void ShadowVolume::recordTetrahedra(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                                    const gpu::Buffer& particles, const TetrahedraBuffers& tetrahedra) {
+void ShadowVolume::recordTetrahedra(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                                    const TetrahedraBuffers& tetrahedra) {
     if (!tetrahedra_)
         tetrahedra_ =
             gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tetrahedra_shadow_comp, "tetrahedra_shadow"});
     inBands(commands.handle(), tick, [&](uint32_t first, uint32_t rows) {
         const gpu::TetrahedraBand band{first * kRows, rows * kRows, image_.layers(), tetrahedra.faceCount()};
-        tetrahedra_.bind(commands,
-                         {tick_block, storageBuffer(2, particles), storageBuffer(3, tetrahedra.cells),
-                          storageBuffer(4, tetrahedra.faces), storageBuffer(5, texels_),
-                          storageBuffer(6, tetrahedra.nodes)},
+        tetrahedra_.bind(commands, shared,
+                         {storageBuffer("Cells", tetrahedra.cells), storageBuffer("Faces", tetrahedra.faces),
+                          storageBuffer("Texels", texels_), storageBuffer("FaceNodes", tetrahedra.nodes)},
                          band);
         vkCmdDispatch(commands.handle(), gpu::groups(tick.map.texels.x, 8), rows, 1);
     });

@@ -23,23 +23,21 @@ public:
     ShadowVolume(const gpu::Device& device, uint32_t capacity) : ShadowVolume(device, capacity, shapeFor(device)) {}
     ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape);
 
-    // Records the volume of tick.particle_count particles, or of the tetrahedra between them, unless the image holds it
-    // already. `same_particles`: true if the particles are those of the last call; light and resolution are compared
-    // here. Returns true if something was recorded. Its writes are then visible to compute and draws. Makes a new image
-    // if the size changed; precondition: the device does not use the old one.
-    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                const gpu::Buffer& particles, bool same_particles = false,
-                const TetrahedraBuffers* tetrahedra = nullptr);
+    // Records the volume of the tick's particles, or of the tetrahedra between them, unless the image holds it already.
+    // `shared`: TickBlock and Particles. `same_particles`: true if the particles are those of the last call; light and
+    // resolution are compared here. Returns true if something was recorded. Its writes are then visible to compute and
+    // draws. Makes a new image if the size changed; precondition: the device does not use the old one.
+    bool record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                bool same_particles = false, const TetrahedraBuffers* tetrahedra = nullptr);
 
     // RGBA32F array. A layer holds four neighbouring planes; its last plane is also the first plane of the next layer.
     const gpu::Image& image() const { return image_; }
 
 private:
     void fit(VkCommandBuffer cmd, const gpu::Tick& tick);
-    void recordParticles(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                         const gpu::Buffer& particles);
-    void recordTetrahedra(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                          const gpu::Buffer& particles, const TetrahedraBuffers& tetrahedra);
+    void recordParticles(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
+    void recordTetrahedra(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                          const TetrahedraBuffers& tetrahedra);
     // Fills the image in bands of rows, each a whole number of kRows rows: record(first, rows) fills a band in texels_.
     template <class Record>
     void inBands(VkCommandBuffer cmd, const gpu::Tick& tick, const Record& record);

@@ -84,42 +84,38 @@ void UnionPath::prepare(const Simulation& simulation, const SceneNow& now, const
     particles_.flush();
 }
 
-void UnionPath::record(gpu::Commands& commands, const MediumView& all, const Objects& objects) {
+void UnionPath::record(gpu::Commands& commands, const MediumView& all) {
     const VkCommandBuffer cmd = commands.handle();
     if (count_ == 0 || !(bins_ || present_ || !past_.empty())) return;
     const gpu::Commands::Pass pass(commands, "union path");
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     const VkDeviceSize particle_bytes = aligned(count_ * sizeof(gpu::Particle));
     for (size_t i = 0; i < past_.size(); ++i) {
-        const gpu::Resource tick = gpu::uniformBuffer(0, blocks_, i * kBlockBytes, sizeof(gpu::Tick)),
-                            particles = gpu::storageBuffer(1, particles_, i * particle_bytes, particle_bytes);
-        recordBins(commands, tick, particles);
-        recordGroup(commands, tick, particles, objects, past_[i].group);
+        gpu::Resources then(&all.resources);
+        then.give(gpu::uniformBuffer("TickBlock", blocks_, i * kBlockBytes, sizeof(gpu::Tick)));
+        then.give(gpu::storageBuffer("Particles", particles_, i * particle_bytes, particle_bytes));
+        recordBins(commands, then);
+        recordGroup(commands, then, past_[i].group);
     }
-    const gpu::Resource particles = gpu::storageBuffer(1, *all.particles);
-    recordBins(commands, all.tick, particles);
-    if (present_) recordGroup(commands, all.tick, particles, objects, uint32_t(now_ % key_.groups));
+    recordBins(commands, all.resources);
+    if (present_) recordGroup(commands, all.resources, uint32_t(now_ % key_.groups));
     gpu::everythingBefore(cmd);
 }
 
-void UnionPath::recordBins(gpu::Commands& commands, const gpu::Resource& tick, const gpu::Resource& particles) {
+void UnionPath::recordBins(gpu::Commands& commands, const gpu::Resources& tick) {
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the group before has read them
     vkCmdFillBuffer(cmd, bits_.handle(), 0, VK_WHOLE_SIZE, 0);
     gpu::transferToCompute(cmd);
-    bins_program_.bind(commands, {tick, particles, gpu::storageBuffer(2, bits_)});
+    bins_program_.bind(commands, tick, {gpu::storageBuffer("UnionBits", bits_)});
     vkCmdDispatch(cmd, gpu::groups(count_, 64), 1, 1);
     gpu::computeToCompute(cmd);
 }
 
-void UnionPath::recordGroup(gpu::Commands& commands, const gpu::Resource& tick, gpu::Resource particles,
-                            const Objects& objects, uint32_t group) {
-    particles.binding = 2;
+void UnionPath::recordGroup(gpu::Commands& commands, const gpu::Resources& tick, uint32_t group) {
     const uint32_t push[] = {group, key_.groups};
-    path_program_.bind(commands,
-                       {tick, gpu::storageBuffer(1, *objects.all), particles, gpu::storageBuffer(3, *objects.nodes),
-                        gpu::storageBuffer(5, lights_), gpu::storageBuffer(6, bits_)},
-                       push);
+    path_program_.bind(commands, tick,
+                       {gpu::storageBuffer("ParticleLights", lights_), gpu::storageBuffer("UnionBits", bits_)}, push);
     vkCmdDispatch(commands.handle(), gpu::groups(gpu::groups(count_, key_.groups), 64), 1, 1);
     gpu::computeToCompute(commands.handle());
 }

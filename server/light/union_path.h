@@ -27,13 +27,9 @@ public:
     void prepare(const Simulation& simulation, const SceneNow& now, const gpu::Tick& tick, uint64_t particles,
                  uint64_t objects);
 
-    struct Objects {
-        const gpu::Buffer* all;   // gpu::Opaque[]
-        const gpu::Buffer* nodes; // gpu::ObjectNode[]
-    };
-    // Records the light of what prepare() chose, with the extinction of the block `all.tick`, past boxes,
-    // spheres and planes.
-    void record(gpu::Commands& commands, const MediumView& all, const Objects& objects);
+    // Records the light of what prepare() chose, with the extinction of the TickBlock of `all`, past boxes, spheres and
+    // planes.
+    void record(gpu::Commands& commands, const MediumView& all);
     // From now on the buffer's light is not valid.
     void invalidate() { valid_ = false; }
     // Frees its memory. Precondition: nothing of it is on the device.
@@ -57,9 +53,9 @@ private:
         uint32_t groups = 0;
         bool operator==(const Key& other) const;
     };
-    void recordBins(gpu::Commands& commands, const gpu::Resource& tick, const gpu::Resource& particles);
-    void recordGroup(gpu::Commands& commands, const gpu::Resource& tick, gpu::Resource particles,
-                     const Objects& objects, uint32_t group);
+    // `tick`: TickBlock and Particles of the tick that they are of.
+    void recordBins(gpu::Commands& commands, const gpu::Resources& tick);
+    void recordGroup(gpu::Commands& commands, const gpu::Resources& tick, uint32_t group);
 
     const gpu::Device& device_;
     gpu::ComputeProgram bins_program_, path_program_; // made when they are first needed

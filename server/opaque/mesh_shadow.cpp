@@ -10,14 +10,13 @@ namespace brume {
 
 MeshShadow::MeshShadow(const gpu::Device& device) : device_(device), nearest_(device, VK_FILTER_NEAREST) {}
 
-void MeshShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                        const MeshBuffers& meshes) {
+void MeshShadow::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     if (heights_ &&
         (tick.triangle_count == 0 || (tick.sun.to_light == last_.sun.to_light && tick.mesh_size == last_.mesh_size)))
         return;
     last_ = tick;
     fit(commands.handle(), tick.mesh_size);
-    if (tick.triangle_count > 0) draw(commands, tick_block, tick, meshes);
+    if (tick.triangle_count > 0) draw(commands, shared, tick);
 }
 
 void MeshShadow::fit(VkCommandBuffer cmd, uint32_t size) {
@@ -33,8 +32,7 @@ void MeshShadow::fit(VkCommandBuffer cmd, uint32_t size) {
                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "mesh pyramid");
 }
 
-void MeshShadow::draw(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                      const MeshBuffers& meshes) {
+void MeshShadow::draw(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     const gpu::Commands::Pass pass(commands, "mesh shadow");
     const VkCommandBuffer cmd = commands.handle();
     if (!heights_program_) {
@@ -51,13 +49,15 @@ void MeshShadow::draw(gpu::Commands& commands, const gpu::Resource& tick_block, 
     vkCmdClearColorImage(cmd, heights_.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
     gpu::everythingBefore(cmd);
     gpu::beginDrawing(cmd, {tick.mesh_size, tick.mesh_size}, {&heights_});
-    heights_program_.bind(commands, {tick_block, gpu::storageBuffer(1, meshes.triangles)});
+    heights_program_.bind(commands, shared, {});
     vkCmdDraw(cmd, 3 * tick.triangle_count, 1, 0, 0);
     vkCmdEndRendering(cmd);
     for (uint32_t level = 1; tick.mesh_size >> level > 0; ++level) {
         gpu::everythingBefore(cmd);
         pyramid_program_.bind(
-            commands, {tick_block, gpu::sampledImage(1, heights_, nearest_), gpu::storageBuffer(2, pyramid_)}, level);
+            commands, shared,
+            {gpu::sampledImage("mesh_heights", heights_, nearest_), gpu::storageBuffer("MeshPyramid", pyramid_)},
+            level);
         const uint32_t groups = gpu::groups(tick.mesh_size >> level, 8);
         vkCmdDispatch(cmd, groups, groups, 1);
     }

@@ -4,7 +4,7 @@
 
 #include "server/gpu/commands.h"
 #include "server/gpu/program.h"
-#include "server/opaque/mesh_buffers.h"
+#include "shaders/shared/types.h"
 
 namespace brume {
 
@@ -13,17 +13,15 @@ public:
     explicit MeshShadow(const gpu::Device& device);
 
     // Records the map unless light and size are those of the last time; meshes do not move. Without any it is an image
-    // of one texel that nobody reads. As ShadowVolume::record otherwise.
-    void record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                const MeshBuffers& meshes);
+    // of one texel that nobody reads. `shared`: TickBlock and Triangles. As ShadowVolume::record otherwise.
+    void record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
 
     const gpu::Image& heights() const { return heights_; }
     const gpu::Buffer& pyramid() const { return pyramid_; }
 
 private:
     void fit(VkCommandBuffer cmd, uint32_t size);
-    void draw(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-              const MeshBuffers& meshes);
+    void draw(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
 
     const gpu::Device& device_;
     gpu::Sampler nearest_;

@@ -15,8 +15,8 @@ OpaqueShadow::OpaqueShadow(const gpu::Device& device) : device_(device) {
     program_ = gpu::GraphicsProgram(device, shaders, graphics);
 }
 
-bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                          const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects) {
+bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                          std::span<const gpu::Opaque> objects) {
     if (valid_ && tick.sun.to_light == last_.sun.to_light && tick.map.opaque_size == last_.map.opaque_size)
         return false;
     last_ = tick;
@@ -40,7 +40,7 @@ bool OpaqueShadow::record(gpu::Commands& commands, const gpu::Resource& tick_blo
     gpu::beginDrawing(cmd, size, {&image_});
     for (uint32_t i = 0; i < objects.size(); ++i) {
         if (objects[i].kind == gpu::kPlane) continue; // nothing lies below it
-        program_.bind(commands, {tick_block, gpu::storageBuffer(1, buffer)}, i);
+        program_.bind(commands, shared, {}, i);
         vkCmdDraw(cmd, 4, 1, 0, 0);
     }
     vkCmdEndRendering(cmd);

@@ -14,10 +14,10 @@ class OpaqueShadow {
 public:
     explicit OpaqueShadow(const gpu::Device& device);
 
-    // Records the map unless light and size are those of the last time. `buffer` holds `objects` as gpu::Opaque[]. As
-    // ShadowVolume::record otherwise.
-    bool record(gpu::Commands& commands, const gpu::Resource& tick_block, const gpu::Tick& tick,
-                const gpu::Buffer& buffer, std::span<const gpu::Opaque> objects);
+    // Records the map unless light and size are those of the last time. `shared`: TickBlock and Objects, which holds
+    // `objects`. As ShadowVolume::record otherwise.
+    bool record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                std::span<const gpu::Opaque> objects);
 
     // The objects are others than the last time.
     void invalidate() { valid_ = false; }

@@ -45,11 +45,7 @@ void Shafts::record(gpu::Commands& commands, const ViewGroup& group) {
                                        {gpu::kIdMultipleColours, group.colours.multiple}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands, {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, sunlit_),
-                                gpu::storageBuffer(4, *group.field), gpu::storageBuffer(5, *in.shared->objects),
-                                gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                                gpu::sampledImage(9, *in.shared->mesh_heights, *in.shared->nearest),
-                                gpu::storageBuffer(10, *in.shared->mesh_pyramid)});
+        program.bind(commands, group.resources, {group.blockOf(i), gpu::storageBuffer("Sunlit", sunlit_)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
                       gpu::groups(view.end, gpu::kPixelTile) - view.first / gpu::kPixelTile, 1);

@@ -78,8 +78,8 @@ void Surfaces::writeOrder(std::span<const EyeRequest> eyes, std::span<const gpu:
     order_.flush();
 }
 
-gpu::Resource Surfaces::orderOf(uint32_t binding, const EyeInputs& in) const {
-    return gpu::storageBuffer(binding, order_, isMany() ? in.view * kOrderBytes : 0, kOrderBytes);
+gpu::Resource Surfaces::orderOf(const EyeInputs& in) const {
+    return gpu::storageBuffer("ObjectOrder", order_, isMany() ? in.view * kOrderBytes : 0, kOrderBytes);
 }
 
 // Ends with its writes visible to all.
@@ -88,8 +88,7 @@ void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
     if (!bins_program_)
         bins_program_ =
             gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, object_bins_comp, "object_bins"}, {});
-    bins_program_.bind(commands, {in.medium->tick, in.eye, gpu::storageBuffer(2, *in.shared->objects),
-                                  gpu::storageBuffer(3, bins_), orderOf(4, in)});
+    bins_program_.bind(commands, in.resources, {gpu::storageBuffer("ObjectBins", bins_), orderOf(in)});
     vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
     gpu::everythingBefore(commands.handle());
 }
@@ -100,36 +99,19 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const bool many = isMany();
     if (many && objects_.bodies() > 0) recordBins(commands, in);
     const gpu::Commands::Pass pass(commands, "opaque", in.view);
-    const auto of_balls = [&](const gpu::Buffer* buffer) -> const gpu::Buffer& {
-        return in.shared->features.balls ? *buffer : *in.shared->objects; // bound, but not read
-    };
-    const gpu::Resource objects = gpu::storageBuffer(2, *in.shared->objects),
-                        light = gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
-                        casters = gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest),
-                        lights = gpu::storageBuffer(7, *in.shared->local_lights),
-                        bits = gpu::storageBuffer(8, *in.shared->light_bits),
-                        depths = gpu::storageBuffer(9, *in.shared->light_depths),
-                        nodes = gpu::storageBuffer(10, *in.shared->object_nodes), bins = gpu::storageBuffer(11, bins_),
-                        triangles = gpu::storageBuffer(12, *in.shared->triangles),
-                        mesh_nodes = gpu::storageBuffer(13, *in.shared->mesh_nodes), order = orderOf(14, in),
-                        particles = gpu::storageBuffer(15, of_balls(in.shared->particles)),
-                        union_bits = gpu::storageBuffer(16, of_balls(in.shared->union_bins)),
-                        union_lights = gpu::storageBuffer(17, of_balls(in.shared->union_light));
+    const gpu::Resource own[] = {gpu::storageBuffer("ObjectBins", bins_), orderOf(in),
+                                 gpu::storageBuffer("Particles", *in.shared->particles)}; // of balls: all of them
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
     const Programs& programs = programsFor(
         {compiled, many, in.shared->features.fog, in.shared->features.local_lights, in.shared->features.balls});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands, {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes,
-                                      bins, triangles, mesh_nodes, order, particles, union_bits, union_lights});
+        programs.draw.bind(commands, in.resources, own, {});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        programs.compute.bind(commands,
-                              {in.medium->tick, in.eye, objects, light, casters, lights, bits, depths, nodes, bins,
-                               triangles, mesh_nodes, order, particles, union_bits, union_lights,
-                               gpu::storageImage(5, in.target->radiance), gpu::storageImage(6, in.target->view_depth)});
+        programs.compute.bind(commands, in.resources, own, {});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/gpu/commands.h"
+#include "server/gpu/program.h"
 #include "server/inputs/eye_inputs.h"
 #include "server/inputs/eye_request.h"
 #include "server/opaque/object_buffers.h"
@@ -43,7 +44,7 @@ private:
     const Programs& programsFor(const Variant& variant);
     bool isMany() const;
     void writeOrder(std::span<const EyeRequest> eyes, std::span<const gpu::Opaque> all);
-    gpu::Resource orderOf(uint32_t binding, const EyeInputs& in) const;
+    gpu::Resource orderOf(const EyeInputs& in) const;
     void recordBins(gpu::Commands& commands, const EyeInputs& in);
 
     const gpu::Device& device_;

@@ -96,11 +96,8 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
                     .features = features});
     const uint32_t blocks = drawn ? 1 : blocksOf(features, group.rate);
     for (uint32_t i = 0; i < group.count(); ++i) {
-        program.bind(commands,
-                     {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
-                      gpu::storageBuffer(3, *in.shared->planes), gpu::storageBuffer(4, drawn ? none_ : *group.field),
-                      gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(7, *in.shared->lit),
-                      gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        program.bind(commands, group.resources,
+                     {group.blockOf(i), gpu::storageBuffer("Field", drawn ? none_ : *group.field)});
         const gpu::View& view = group.views[i];
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, 64 * blocks), gpu::groups(view.end - view.first, 16), 1);
     }
@@ -120,8 +117,7 @@ void Compose::shadeField(gpu::Commands& commands, const ViewGroup& group) {
                .step = group.step,
                .colours = group.colours,
                .features = in.shared->features})
-        .bind(commands,
-              {in.medium->tick, group.block, gpu::storageBuffer(3, shaded_), gpu::storageBuffer(4, *group.field)});
+        .bind(commands, group.resources, {gpu::storageBuffer("Shaded", shaded_)});
     vkCmdDispatch(cmd, gpu::groups(gpu::groups(width, group.step) + 3, 8),
                   gpu::groups(gpu::groups(rows, group.step) + 3, 8), group.count());
     gpu::computeToCompute(cmd);
@@ -136,7 +132,7 @@ void Compose::shadeTarget(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shade_drawn_comp, "shade_drawn"},
                                       {{gpu::kIdStep, group.step}});
-    program.bind(commands, {group.block, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, shaded_)});
+    program.bind(commands, group.resources, {gpu::storageBuffer("Shaded", shaded_)});
     vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     gpu::computeToCompute(cmd);
 }
@@ -148,8 +144,7 @@ void Compose::present(gpu::Commands& commands, const ViewGroup& group) {
     if (!program)
         program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, present_comp, "present"},
                                       {{gpu::kIdStep, group.step}, {gpu::kIdFull, full_}});
-    program.bind(commands, {group.any->medium->tick, group.block, gpu::storageBuffer(3, *group.any->shared->planes),
-                            gpu::storageBuffer(4, shaded_)});
+    program.bind(commands, group.resources, {gpu::storageBuffer("Shaded", shaded_)});
     const uint32_t width = group.most([](const gpu::View& v) { return v.eye.size.x; });
     const uint32_t rows = group.most([](const gpu::View& v) { return v.end - v.first; });
     vkCmdDispatch(cmd, gpu::groups(width, 128), gpu::groups(rows, 32), group.count());

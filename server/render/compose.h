@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "server/gpu/program.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
 #include "server/render/show.h"

@@ -36,11 +36,9 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
                                       {{gpu::kIdStep, coarse.step}});
     gpu::everythingBefore(cmd);
     const gpu::Sampler& nearest = *fine.shared->nearest;
-    program.bind(commands,
-                 {fine.medium->tick, fine.eye, gpu::storageImage(2, fine.target->radiance),
-                  gpu::storageImage(3, fine.target->view_depth), gpu::sampledImage(4, coarse.target->radiance, nearest),
-                  gpu::sampledImage(5, coarse.target->view_depth, nearest),
-                  gpu::storageBuffer(6, *fine.shared->objects)},
+    program.bind(commands, fine.resources,
+                 {gpu::sampledImage("node_medium", coarse.target->radiance, nearest),
+                  gpu::sampledImage("node_depth", coarse.target->view_depth, nearest)},
                  push);
     const uint32_t side = 8 * coarse.step;
     vkCmdDispatch(cmd, gpu::groups(fine.size.width, side), gpu::groups(fine.size.height, side), 1);

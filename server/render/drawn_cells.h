@@ -5,6 +5,7 @@
 #include <map>
 
 #include "server/gpu/commands.h"
+#include "server/gpu/program.h"
 #include "server/inputs/eye_inputs.h"
 
 namespace brume {

@@ -35,10 +35,7 @@ void GlassLayers::record(gpu::Commands& commands, const ViewGroup& group, uint32
     const gpu::View& view = group.views.front();
     const gpu::GlassPush push{uint32_t(glasses_.size()), drawn, layers, view.first, view.end};
     gpu::everythingBefore(commands.handle());
-    program_.bind(commands,
-                  {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance),
-                   gpu::storageImage(3, in.target->view_depth), gpu::storageBuffer(4, sheets_),
-                   gpu::storageBuffer(5, sums_)},
+    program_.bind(commands, in.resources, {gpu::storageBuffer("Sheets", sheets_), gpu::storageBuffer("Sums", sums_)},
                   push);
     vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 8), gpu::groups(push.end - push.first, 8), 1);
     gpu::everythingBefore(commands.handle());

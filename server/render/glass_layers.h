@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "server/gpu/program.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 

@@ -51,13 +51,10 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                                   .multiple_colours = group.colours.multiple,
                                   .step = group.step};
         programFor(reading.drawn, reading.drawn ? SceneFeatures{} : in.shared->features)
-            .bind(commands,
-                  {in.medium->tick, group.blockOf(i), gpu::storageImage(2, in.target->radiance),
-                   gpu::storageBuffer(3, reading.where_),
-                   gpu::storageBuffer(4, reading.drawn ? reading.where_ : *group.field),
-                   gpu::storageBuffer(5, *in.shared->sunlit), gpu::storageBuffer(6, reading.values_),
-                   gpu::storageBuffer(7, *in.shared->lit),
-                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+            .bind(commands, group.resources,
+                  {group.blockOf(i), gpu::storageBuffer("Pixels", reading.where_),
+                   gpu::storageBuffer("Field", reading.drawn ? reading.where_ : *group.field),
+                   gpu::storageBuffer("Values", reading.values_)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(push.count, 64), 1, 1);
         gpu::computeToHost(commands.handle());

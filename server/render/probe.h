@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "server/gpu/program.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
 

@@ -65,8 +65,9 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     surfaces_.prepare(eyes, objects_.counts(), objects_.all());
     glass_.prepare(features_.glass ? eyes : std::span<const EyeRequest>());
     shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
+    gatherTick(s);
     const UniformBlocks blocks(s.uniforms_, eyes.size());
-    upload_.writeBlocks(blocks, hues_);
+    upload_.writeBlocks(blocks, hues_, shared_.resources);
 
     targets_.fit(drawsCoarsely() ? eyes : drawn_);
     if (drawsCoarsely()) coarse_targets_.fit(drawn_);
@@ -74,7 +75,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     upload_.record(s.commands, s.particles_);
     recordLight(s);
 
-    gatherInputs(s, blocks, eyes);
+    gatherEyes(blocks, eyes);
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups, eyes);
@@ -86,11 +87,10 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
             upload_.enter(blocks, hue);
             shared_.again = hue > 0;
             enterHue(hue);
-            if (behind_balls && !before)
-                union_path_.record(s.commands, upload_.all(), {&objects_.objects(), &objects_.nodes()});
+            if (behind_balls && !before) union_path_.record(s.commands, upload_.all());
             if (shared_.tick->multiple.cells > 0) {
                 propagation_[hue].record(s.commands, shared_, upload_.all());
-                shared_.fluence = &propagation_[hue].image();
+                shared_.resources.give(gpu::sampledImage("fluence", propagation_[hue].image(), linear_));
             }
             if (needs.particle_light && !before) recordParticleLight(s.commands, needs);
             recordGroup(s, method, group, before);
@@ -216,18 +216,26 @@ void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes)
                           volumes);
 }
 
-// Records the shadow maps and the depths toward local lights: of all hues, since depths are as the extinction.
+// Records the shadow maps and the depths toward local lights, of all hues, since depths are as the extinction; and
+// gives them to all passes.
 void Renderer::recordLight(Submission& s) {
-    MediumView& all = upload_.all();
-    opaque_shadow_.record(s.commands, all.tick, upload_.tick(), objects_.objects(), objects_.all());
-    mesh_shadow_.record(s.commands, all.tick, upload_.tick(), meshes_);
-    if (shadow_volume_.record(s.commands, all.tick, upload_.tick(), upload_.particles(), !upload_.moved(),
+    const MediumView& all = upload_.all();
+    opaque_shadow_.record(s.commands, all.resources, upload_.tick(), objects_.all());
+    mesh_shadow_.record(s.commands, all.resources, upload_.tick());
+    if (shadow_volume_.record(s.commands, all.resources, upload_.tick(), !upload_.moved(),
                               tetrahedra_ ? &*tetrahedra_ : nullptr)) {
         invalidateParticleLight();
         for (Propagation& hue : propagation_) hue.invalidate();
     }
-    local_lights_.recordDepths(s.commands, all, s.local_lights_, light_blocks_);
-    all.light = nullptr;
+    local_lights_.recordDepths(s.commands, all, light_blocks_);
+    for (const gpu::Resource& map : {
+             gpu::sampledImage("shadow_volume", shadow_volume_.image(), linear_),
+             gpu::sampledImage("fluence", shadow_volume_.image(), linear_), // until there is light that scatters on
+             gpu::sampledImage("opaque_shadow", opaque_shadow_.image(), nearest_),
+             gpu::sampledImage("mesh_heights", mesh_shadow_.heights(), nearest_),
+             gpu::storageBuffer("MeshPyramid", mesh_shadow_.pyramid()),
+         })
+        shared_.resources.give(map);
 }
 
 void Renderer::invalidateParticleLight() {
@@ -239,14 +247,13 @@ void Renderer::invalidateParticleLight() {
 void Renderer::recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs) {
     MediumView& all = upload_.all();
     if (needs.union_path) {
-        all.light = &union_path_.lights();
+        all.resources.give(gpu::storageBuffer("ParticleLights", union_path_.lights()));
         return;
     }
     if (hues_.size() > 1) invalidateParticleLight();
     const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(commands, {medium.tick, &objects_.objects(), medium.particles, &shadow_volume_.image(), &linear_},
-                     medium.count, now_.render.tiles.light_tolerance);
-        medium.light = &light.buffer();
+        light.record(commands, medium.resources, medium.count, now_.render.tiles.light_tolerance);
+        medium.resources.give(gpu::storageBuffer("ParticleLights", light.buffer()));
     };
     bool seen = false; // True: some eye sees the full list, not a level of detail
     for (size_t i = 0; i < views_.size(); ++i) seen = seen || &upload_.of(i) == &all;
@@ -257,43 +264,47 @@ void Renderer::recordParticleLight(gpu::Commands& commands, const MethodNeeds& n
     }
 }
 
-void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
+// What all eyes share, but for the maps of light.
+void Renderer::gatherTick(const Submission& s) {
     shared_ = {.settings = &now_.render,
                .number = tick_number_,
                .tick = &upload_.tick(),
                .lights = light_blocks_,
                .objects_bounds = objects_.bounds(),
                .objects_version = objects_.version(),
-               .objects = &objects_.objects(),
-               .object_nodes = &objects_.nodes(),
-               .reflecting = &objects_.reflecting(),
                .reflecting_count = objects_.reflectingCount(),
-               .triangles = &meshes_.triangles,
-               .mesh_nodes = &meshes_.nodes,
                .bodies = objects_.counts().bodies(),
-               .local_lights = &s.local_lights_,
-               .light_bits = &local_lights_.bits(),
-               .light_depths = &local_lights_.depths(),
-               .lit = &local_lights_.lit(),
-               .sunlit = &shafts_.sunlit(),
-               .shadow_volume = &shadow_volume_.image(),
-               .fluence = &shadow_volume_.image(),
-               .opaque_shadow = &opaque_shadow_.image(),
-               .mesh_heights = &mesh_shadow_.heights(),
-               .mesh_pyramid = &mesh_shadow_.pyramid(),
                .particles = &upload_.particles(),
-               .union_bins = union_path_.bins() ? &union_path_.bins() : &objects_.objects(),
-               .union_light = union_path_.lights() ? &union_path_.lights() : &objects_.objects(),
-               .planes = &planes_,
-               .linear = &linear_,
                .nearest = &nearest_,
                .lobe_width = float(lobesOf(now_.medium).width()),
                .features = features_,
                .needs_rays = needsRays(upload_.tick()),
                .tetrahedra = tetrahedra_ ? &*tetrahedra_ : nullptr,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
-    enterHue(0);
     shared_.objects_bounds.add(meshes_.bounds);
+    const auto orObjects = [&](const gpu::Buffer& buffer) -> const gpu::Buffer& { // without balls it is not read
+        return buffer ? buffer : objects_.objects();
+    };
+    for (const gpu::Resource& one : {
+             gpu::storageBuffer("Objects", objects_.objects()),
+             gpu::storageBuffer("ObjectNodes", objects_.nodes()),
+             gpu::storageBuffer("Reflecting", objects_.reflecting()),
+             gpu::storageBuffer("Triangles", meshes_.triangles),
+             gpu::storageBuffer("MeshNodes", meshes_.nodes),
+             gpu::storageBuffer("LocalLights", s.local_lights_),
+             gpu::storageBuffer("LightBits", local_lights_.bits()),
+             gpu::storageBuffer("LightDepths", local_lights_.depths()),
+             gpu::storageBuffer("LitByLocalLights", local_lights_.lit()),
+             gpu::storageBuffer("Sunlit", shafts_.sunlit()),
+             gpu::storageBuffer("UnionBits", orObjects(union_path_.bins())),
+             gpu::storageBuffer("UnionLights", orObjects(union_path_.lights())),
+             gpu::storageBuffer("Planes", planes_),
+         })
+        shared_.resources.give(one);
+}
+
+void Renderer::gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes) {
+    enterHue(0);
     inputs_.clear();
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         const gpu::LightMap& map = upload_.tick().map;
@@ -312,15 +323,18 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
               .step = step_,
               .rate = eyes[i].rate ? eyes[i].rate : now_.render.rate,
               .pose = drawn_[i].pose,
-              .eye = blocks.drawnEye(i),
-              .stereo_partner = blocks.drawnEye(i),
               .block = &views_[i],
-              .view_block = blocks.picture(i),
               .history = eyes[i].history,
               .near_plane_cuts = nearPlaneCuts(upload_.tick(), eyes[i])};
-        in.stereo_partner.binding = 6;
+        in.resources = gpu::Resources(&in.medium->resources);
+        in.resources.give(blocks.drawnEye(i));
+        in.resources.give(blocks.drawnEye(i).as("OtherBlock"));
+        in.resources.give(blocks.picture(i));
+        in.target->giveTo(in.resources, nearest_);
         if (!eyes[i].second || !now_.render.shared_order || i == 0 || inputs_[i - 1].medium != in.medium) continue;
-        std::swap(inputs_[i - 1].stereo_partner, in.stereo_partner);
+        inputs_[i - 1].resources.give(blocks.drawnEye(i).as("OtherBlock"));
+        in.resources.give(blocks.drawnEye(i - 1).as("OtherBlock"));
+        inputs_[i - 1].for_both_eyes = in.for_both_eyes = true;
         in.order_ready = true; // the left eye's sort covers both eyes
     }
     last_size_ = {eyes.back().width, eyes.back().height};
@@ -328,9 +342,10 @@ void Renderer::gatherInputs(const Submission& s, const UniformBlocks& blocks, st
     coarse_inputs_ = inputs_;
     for (uint32_t i = 0; i < eyes.size(); ++i) {
         coarse_inputs_[i].target = &coarse_targets_.of({drawn_[i].width, drawn_[i].height});
+        coarse_inputs_[i].target->giveTo(coarse_inputs_[i].resources, nearest_);
         inputs_[i].size = {eyes[i].width, eyes[i].height};
         inputs_[i].step = 1;
-        inputs_[i].eye = blocks.pictureEye(i);
+        inputs_[i].resources.give(blocks.pictureEye(i));
         inputs_[i].order_ready = true; // the coarse picture has sorted the particles already
     }
 }

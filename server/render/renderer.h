@@ -134,7 +134,8 @@ private:
     void recordLight(Submission& submission);
     void recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs);
     void invalidateParticleLight();
-    void gatherInputs(const Submission& submission, const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
+    void gatherTick(const Submission& submission);
+    void gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordGroup(Submission& submission, Method& method, const ViewGroup& group, const EyeInputs* before);

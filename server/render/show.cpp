@@ -181,13 +181,8 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
                                      std::max(1u, std::min(view.eye.size.y / 360, view.eye.size.x / placed.size.x))};
         gpu::computeToCompute(cmd);
         programFor(show, in.shared->features, fades(*in.shared->settings))
-            .bind(commands,
-                  {in.medium->tick, group.blockOf(i), gpu::storageBuffer(2, *in.medium->particles),
-                   gpu::storageBuffer(3, *in.shared->planes),
-                   gpu::sampledImage(4, in.target->view_depth, *in.shared->nearest),
-                   gpu::sampledImage(5, *in.shared->shadow_volume, *in.shared->linear),
-                   gpu::sampledImage(6, *in.shared->opaque_shadow, *in.shared->nearest),
-                   gpu::storageBuffer(7, legends_), gpu::storageBuffer(8, discs_)},
+            .bind(commands, group.resources,
+                  {group.blockOf(i), gpu::storageBuffer("Legends", legends_), gpu::storageBuffer("Discs", discs_)},
                   push);
         vkCmdDispatch(cmd, gpu::groups(view.eye.size.x, side), gpu::groups(view.end, side) - view.first / side, 1);
     }

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "server/gpu/program.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 #include "server/render/legend.h"

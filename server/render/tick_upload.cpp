@@ -49,25 +49,30 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     staging.flush();
 }
 
-void TickUpload::writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues) {
+void TickUpload::writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues, const gpu::Resources& shared) {
     for (uint32_t hue = 0; hue < hues.size(); ++hue) {
         blocks.setTick(hue, hues[hue].of(tick_));
         uint32_t level = 0;
         for (const MergedMedia::Medium* medium : levels_.media())
             blocks.setLevel(hue, level++, hues[hue].of(medium->tick));
     }
-    all_.particles = &particles_;
-    all_.count = tick_.particle_count;
-    all_.extent = &extent_;
+    const auto viewOf = [&](const gpu::Buffer& particles, uint32_t count, const MediumExtent& extent) {
+        MediumView view{gpu::Resources(&shared), count, all_.version, &extent};
+        const gpu::Resource list = gpu::storageBuffer("Particles", particles);
+        view.resources.give(list);
+        view.resources.give(list.as("ParticleLights")); // until they are lit it is not read
+        return view;
+    };
+    all_ = viewOf(particles_, tick_.particle_count, extent_);
     for (MergedMedia::Medium* medium : levels_.media())
-        medium->view = {{}, &medium->particles, medium->tick.particle_count, all_.version, nullptr, &medium->extent};
+        medium->view = viewOf(medium->particles, medium->tick.particle_count, medium->extent);
     enter(blocks, 0);
 }
 
 void TickUpload::enter(const UniformBlocks& blocks, uint32_t hue) {
-    all_.tick = blocks.tick(hue);
+    all_.resources.give(blocks.tick(hue));
     uint32_t level = 0;
-    for (MergedMedia::Medium* medium : levels_.media()) medium->view.tick = blocks.level(hue, level++);
+    for (MergedMedia::Medium* medium : levels_.media()) medium->view.resources.give(blocks.level(hue, level++));
 }
 
 const MediumView& TickUpload::of(size_t eye) const {

@@ -25,7 +25,8 @@ public:
     void take(const Simulation& simulation, const Scene& scene, const SceneNow& now,
               std::span<const gpu::Opaque> objects, std::span<const EyeRequest> eyes, gpu::Buffer& staging);
     // Writes the tick's blocks in all hues, and makes views of all lists, with those of the first hue. After take().
-    void writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues);
+    // Their resources lie within `shared`.
+    void writeBlocks(const UniformBlocks& blocks, std::span<const Hue> hues, const gpu::Resources& shared);
     // From now on the views have the blocks of this hue.
     void enter(const UniformBlocks& blocks, uint32_t hue);
     // Records the copies from `staging`. Ends with its writes visible to compute.

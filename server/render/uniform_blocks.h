@@ -29,14 +29,20 @@ public:
         buffer_.mapped<DrawnEye>(1, at(eyes_ + eye))[0] = drawn;
     }
 
-    gpu::Resource tick(uint32_t hue) const { return gpu::uniformBuffer(0, buffer_, atTick(hue), sizeof(gpu::Tick)); }
-    gpu::Resource picture(uint32_t eye) const { return gpu::storageBuffer(1, buffer_, at(eye), sizeof(gpu::View)); }
-    gpu::Resource pictureEye(uint32_t eye) const { return gpu::uniformBuffer(1, buffer_, at(eye), sizeof(DrawnEye)); }
+    gpu::Resource tick(uint32_t hue) const {
+        return gpu::uniformBuffer("TickBlock", buffer_, atTick(hue), sizeof(gpu::Tick));
+    }
+    gpu::Resource picture(uint32_t eye) const {
+        return gpu::storageBuffer("Views", buffer_, at(eye), sizeof(gpu::View));
+    }
+    gpu::Resource pictureEye(uint32_t eye) const {
+        return gpu::uniformBuffer("EyeBlock", buffer_, at(eye), sizeof(DrawnEye));
+    }
     gpu::Resource level(uint32_t hue, uint32_t level) const {
-        return gpu::uniformBuffer(0, buffer_, atLevel(hue, level), sizeof(gpu::Tick));
+        return gpu::uniformBuffer("TickBlock", buffer_, atLevel(hue, level), sizeof(gpu::Tick));
     }
     gpu::Resource drawnEye(uint32_t eye) const {
-        return gpu::uniformBuffer(1, buffer_, at(eyes_ + eye), sizeof(DrawnEye));
+        return gpu::uniformBuffer("EyeBlock", buffer_, at(eyes_ + eye), sizeof(DrawnEye));
     }
 
 private:

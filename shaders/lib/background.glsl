@@ -1,23 +1,21 @@
-// Background: the sky, and opaque objects lit through the medium. Declares the bindings that it reads. Include after
-// the tick's and the eye's blocks.
+// Background: the sky, and opaque objects lit through the medium. Include after the eye.
+#include "shaders/blocks/light_bits.glsl"
+#include "shaders/blocks/light_depths.glsl"
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/meshes.glsl"
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/opaque_shadow.glsl"
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/shadow_volume.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/constants.h"
 #include "shaders/shared/splat.h"
 
-layout(scalar, binding = 2) readonly buffer Objects { Opaque objects[]; };
-layout(binding = 3) uniform sampler2DArray shadow_volume;
-layout(binding = 4) uniform sampler2D opaque_shadow;
-layout(scalar, binding = 7) readonly buffer Lights { LocalLight local_lights[]; };
-layout(scalar, binding = 8) readonly buffer Bits { uint light_bits[]; };
-layout(scalar, binding = 9) readonly buffer Depths { float light_depths[]; };
-layout(scalar, binding = 10) readonly buffer Nodes { ObjectNode object_nodes[]; };
-layout(scalar, binding = 11) readonly buffer Bins { uint object_bins[]; };
-layout(scalar, binding = 12) readonly buffer Triangles { Triangle triangles[]; };
-layout(scalar, binding = 13) readonly buffer MeshNodes { ObjectNode mesh_nodes[]; };
-layout(scalar, binding = 14) readonly buffer Order { uint object_order[]; };
+layout(scalar) readonly buffer ObjectBins { uint object_bins[]; };
+layout(scalar) readonly buffer ObjectOrder { uint object_order[]; };
 // Of a union medium.
-layout(scalar, binding = 15) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 16) readonly buffer UnionBits { uint union_bits[]; };
-layout(scalar, binding = 17) readonly buffer UnionLights { ParticleLight union_lights[]; };
+layout(scalar) readonly buffer UnionBits { uint union_bits[]; };
+layout(scalar) readonly buffer UnionLights { ParticleLight union_lights[]; };
 
 // Number of objects of each kind, stored in this order. Loops over a few are unrolled; code for none is removed.
 layout(constant_id = kIdPlanes) const uint kPlanes = 1;

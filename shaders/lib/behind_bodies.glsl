@@ -1,5 +1,7 @@
 // Whether planes, boxes and spheres lie between two places, or around one. Include after lib/objects.glsl and
 // lib/object_tree.glsl.
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 
 // True if the way from x to x + dir meets a box or a sphere, or if x lies in it.
 bool blocks(Opaque o, vec3 x, vec3 dir) {

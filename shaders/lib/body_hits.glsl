@@ -1,5 +1,7 @@
 // The boxes and spheres that the rays of one pixel hit first, where there are many. Include after lib/objects.glsl,
 // lib/object_bins.glsl and lib/eye.glsl.
+#include "shaders/blocks/objects.glsl"
+
 const uint kPixelRays = 5; // rays of a pixel: through its centre, and its four samples
 
 float body_depth[kPixelRays]; // view depth; kMiss if none is hit

@@ -1,5 +1,6 @@
 // The interval of a ray in the shadow of an opaque object. A convex object under parallel light has a convex shadow,
-// so that there is one interval. Include after the tick and lib/objects.glsl.
+// so that there is one interval. Include after lib/objects.glsl.
+#include "shaders/blocks/tick.glsl"
 
 // Restricts the range of z to c + z m <= 0.
 void bound(inout vec2 range, float c, float m) {

@@ -1,5 +1,7 @@
-// Objects whose shadows rays may meet. Include after the tick, lib/view.glsl, lib/eye.glsl, `objects` and
+// Objects whose shadows rays may meet. Include after lib/view.glsl, lib/eye.glsl and
 // lib/objects.glsl.
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/caster_shadow.glsl"
 
 const float kMostPiece = 3; // most that a piece's far end is from the eye, as a multiple of its near end's distance

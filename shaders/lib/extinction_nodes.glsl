@@ -1,6 +1,7 @@
 // The particles' extinction at a place, linear between the nodes of the shared grid
 // (server/methods/grid/medium_grid.h). Include after `push.medium`, the buffers `float nodes[]` and `uint marks[]` are
 // declared, and lib/grid_marks.glsl.
+#include "shaders/blocks/tick.glsl"
 
 // True if all nodes around the place are in the grid and its brick has medium. `at`: in nodes.
 bool isInNodes(vec3 at, uvec3 size) {

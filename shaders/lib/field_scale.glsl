@@ -1,5 +1,6 @@
-// What a ray's light is stored as a part of, in scenes with fog: the same at rays and at pixels. Include after the
-// tick, lib/view.glsl, lib/field_planes.glsl and lib/fog.glsl.
+// What a ray's light is stored as a part of, in scenes with fog: the same at rays and at pixels. Include after
+// lib/view.glsl, lib/field_planes.glsl and lib/fog.glsl.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/phase.h"
 
 const float kLeastScale = 1e-20; // below it nothing is seen

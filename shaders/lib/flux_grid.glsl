@@ -1,5 +1,6 @@
 // The grids of cells that the six fluxes pass (shared/multiple.h), in light space: x and y along LightMap::x and y, z
-// the way that the sun's light goes. Include after the tick is declared.
+// the way that the sun's light goes.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/multiple.h"
 
 layout(push_constant, scalar) uniform Push {

@@ -1,4 +1,5 @@
-// Optical depths of all fogs of the tick together. Include after the tick is declared.
+// Optical depths of all fogs of the tick together.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_fog.glsl"
 #include "shaders/shared/fog.h"
 #include "shaders/shared/scatter.h"

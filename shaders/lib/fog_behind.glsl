@@ -1,4 +1,5 @@
 // Fog on the rest of a ray, behind the slices that are marched. Include after lib/fog.glsl, `eye` and kHasAmbient.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/phase.h"
 
 // Light of the sun and of fog itself behind `begin`, without shadows of objects and particles. Of several fogs

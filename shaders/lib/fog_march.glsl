@@ -2,6 +2,8 @@
 // depths. Between two places the depth that light passes is taken as linear in the fog's own: exact for one fog that
 // particles do not shadow. In their shadow, and in balls and behind them, an interval is cut into steps. Include after
 // lib/eye.glsl, lib/light.glsl and lib/field_planes.glsl.
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/field_scale.glsl"
 

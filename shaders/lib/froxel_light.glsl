@@ -1,6 +1,8 @@
 // Light in a slice of a ray: what its media scatter of the sun and of points and spots, at the middle of the slice.
 // Include after lib/march_ray.glsl, `bool hasParticles()`, lib/medium_nodes.glsl, lib/light.glsl,
 // lib/local_lights.glsl, lib/local_light_depth.glsl and lib/occluded.glsl.
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/equiangular.h"
 #include "shaders/shared/phase.h"
 

@@ -1,5 +1,5 @@
 // Marches a ray through its slices and writes the light that is scattered toward the eye up to each face, and the
-// optical depth of the medium before it. A lane is a ray. Include after the tick, `eye`, `push.froxels`,
+// optical depth of the medium before it. A lane is a ray. Include after `eye`, `push.froxels`,
 // `vec4 volume[]`, `float furthest[]`, kHasOpaque, and
 //   void addSlice(float near, float far, inout vec3 scattered, out float depth): what the medium between two view
 //     depths scatters toward the eye, per unit of its own opacity over its depth, and its optical depth

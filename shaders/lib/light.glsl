@@ -1,4 +1,7 @@
-// Light at a point. Include after the tick, `shadow_volume` and `opaque_shadow` are declared.
+// Light at a point.
+#include "shaders/blocks/opaque_shadow.glsl"
+#include "shaders/blocks/shadow_volume.glsl"
+#include "shaders/blocks/tick.glsl"
 
 vec3 toLightSpace(vec3 x) { return vec3(dot(tick.map.x, x), dot(tick.map.y, x), dot(tick.sun.to_light, x)); }
 

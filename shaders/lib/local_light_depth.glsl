@@ -1,5 +1,7 @@
 // Optical depth of the particles between a local light and a place, from its volume (local_light_depth.comp): linear
-// between four directions and two distances. Include after a buffer `float light_depths[]` is declared.
+// between four directions and two distances.
+#include "shaders/blocks/light_depths.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/light_directions.glsl"
 
 float particlesFrom(LocalLight light, vec3 away, float distance) {

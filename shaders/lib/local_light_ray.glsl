@@ -2,6 +2,11 @@
 // objects hide the light, where fogs begin and end, and at the particles' slabs. Each piece is integrated over the
 // angle that the light sees (shared/equiangular.h). Include after lib/slab_field.glsl, lib/fog.glsl, lib/objects.glsl,
 // lib/local_lights.glsl, lib/local_light_depth.glsl and lib/point_shadow.glsl.
+#include "shaders/blocks/light_bits.glsl"
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/meshes.glsl"
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/equiangular.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/slab_growth.h"

@@ -1,9 +1,7 @@
-// Local lights: what arrives from one, and which may matter to a pixel. Include after lib/fog.glsl, lib/objects.glsl,
-// and `eye` and these buffers are declared:
-//   LocalLight local_lights[]
-//   uint light_bits[]: bits of lights for each bin of pixels, written by local_light_bins.comp
-//   ObjectNode object_nodes[]
-// and what lib/mesh.glsl needs.
+// Local lights: what arrives from one, and which may matter to a pixel. Include after lib/fog.glsl, lib/objects.glsl
+// and `eye`.
+#include "shaders/blocks/objects.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_local_lights.glsl"
 #include "shaders/lib/object_tree.glsl"
 #include "shaders/lib/mesh.glsl"

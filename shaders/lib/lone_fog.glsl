@@ -1,4 +1,5 @@
-// A medium that is one fog: its light has a closed form. Include after the tick and the eye are declared.
+// A medium that is one fog: its light has a closed form. Include after the eye is declared.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/fog.glsl"
 
 // True: the medium is one fog, whose light has a closed form.

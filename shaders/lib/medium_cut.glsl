@@ -1,5 +1,6 @@
 // Looks the field up at a pixel's own surface, where it differs from that of the rays around it. Include after
-// lib/medium_run.glsl, `view_depth` is declared.
+// lib/medium_run.glsl.
+#include "shaders/blocks/view_depth.glsl"
 #include "shaders/lib/face_on_ray.glsl"
 
 // True: a layer of a picture with glass is looked up. The field's rays end at surfaces, and pixels at sheets.

@@ -1,4 +1,5 @@
-// The medium's phase function. Include after the tick is declared.
+// The medium's phase function.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/phase.h"
 
 // 1/sr. Directions are unit and along the photon's travel.

@@ -1,6 +1,7 @@
-// Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after the tick,
+// Puts the medium in front of the background in a run of pixels, from a field of coarse rays. Include after
 // lib/view.glsl, lib/eye.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours, kAmbientColours,
 // kMultipleColours and kScatteringModel are declared.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/transmittance.h"
 #include "shaders/shared/multiple.h"

@@ -1,13 +1,13 @@
-// Shading of one particle's interval on a pixel's ray, shared by all raster methods. Declares the bindings of the
-// light, the opaque depth and the target. Include after the tick's and the eye's blocks.
+// Shading of one particle's interval on a pixel's ray, shared by all raster methods. Include after
+// the eye.
+#include "shaders/blocks/opaque_shadow.glsl"
+#include "shaders/blocks/shadow_volume.glsl"
+#include "shaders/blocks/tick.glsl"
+#include "shaders/blocks/view_depth.glsl"
 #include "shaders/shared/constants.h"
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
-
-layout(binding = 6) uniform sampler2DArray shadow_volume;
-layout(binding = 7) uniform sampler2D opaque_shadow;
-layout(binding = 8) uniform sampler2D view_depth;
 
 // Code for features that a scene lacks is compiled out.
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;

@@ -1,8 +1,7 @@
 // Rays through the triangles of meshes, by their tree. To walk it, begin with the first node of an order. After a node
-// that is entered comes the next one in the buffer, after one that is left out the node `next`. Include after the tick,
-// and these buffers are declared:
-//   Triangle triangles[]
-//   ObjectNode mesh_nodes[]: the tree in kMeshOrders orders, one after the other
+// that is entered comes the next one in the buffer, after one that is left out the node `next`.
+#include "shaders/blocks/meshes.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_meshes.glsl"
 
 const float kNoTriangle = 1e30;  // distance where none is hit

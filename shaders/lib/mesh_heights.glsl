@@ -1,5 +1,6 @@
-// The sun past meshes by their height map (server/opaque/mesh_shadow.h). Include after the tick and `mesh_heights` are
-// declared.
+// The sun past meshes by their height map (server/opaque/mesh_shadow.h).
+#include "shaders/blocks/mesh_heights.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_meshes.glsl"
 
 // Visibility of the sun past meshes from a light-space point: 1 or 0, from one texel.

@@ -1,4 +1,5 @@
 // The triangles that the rays of one pixel hit first. Include after lib/mesh.glsl and lib/body_hits.glsl.
+#include "shaders/blocks/meshes.glsl"
 
 float mesh_depth[kPixelRays]; // view depth; kNoTriangle if none is hit
 uint mesh_hit[kPixelRays];    // index of the triangle

@@ -1,6 +1,7 @@
-// The height map of meshes under the sun, and its pyramid. Include after the tick, and these are declared:
-//   sampler2D mesh_heights: height along to_light of the topmost mesh; -1e30 where there is none
+// The height map of meshes under the sun, and its pyramid. Include after this is declared:
 //   vec2 mesh_pyramid[]: least and largest height, of squares of 2, 4, 8 ... texels a side
+#include "shaders/blocks/mesh_heights.glsl"
+#include "shaders/blocks/tick.glsl"
 
 // Index in the pyramid of a level's first square, from level 1 on. Before it there are
 // size^2 (1/4 + 1/16 + ...) = size^2 (1 - 4^-(level - 1)) / 3 squares.

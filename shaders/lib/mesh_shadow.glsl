@@ -1,6 +1,7 @@
 // The parts of a ray in the sun's shadow of meshes, by the height map of meshes under the sun: texel after texel, and
-// over many at once where the pyramid tells that all are in the shadow or none. Include after the tick,
+// over many at once where the pyramid tells that all are in the shadow or none. Include after
 // lib/shadow_list.glsl, and what lib/mesh_pyramid.glsl needs is declared.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_meshes.glsl"
 #include "shaders/lib/mesh_pyramid.glsl"
 

@@ -1,5 +1,7 @@
-// Light of the sun that has scattered more than once, in a slab of a ray. Include after the tick, the eye and its
-// MapRays, kScatteringModel, kHasLobe and `fluence` are declared.
+// Light of the sun that has scattered more than once, in a slab of a ray. Include after the eye and its
+// MapRays, kScatteringModel and kHasLobe are declared.
+#include "shaders/blocks/fluence.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/multiple.h"
 #include "shaders/shared/phase.h"
 

@@ -1,7 +1,9 @@
 // Bins of objects: which boxes and spheres the rays of a bin of pixels may hit, as object_bins.comp writes it. A bin
 // has a bit for each of them in `objectWords()` words, in the order of `object_order`: by bodyBegin(), the nearest
-// first. Before those stand words with a bit for each word that is not 0. Include after the tick and the eye's blocks,
+// first. Before those stand words with a bit for each word that is not 0. Include after the eye,
 // `uint object_bins[]` and `uint object_order[]`.
+#include "shaders/blocks/tick.glsl"
+
 uint objectWords() { return (tick.opaque_count - tick.plane_count + 31) / 32; }
 uint wordsOfWords() { return (objectWords() + 31) / 32; }
 uvec2 objectBins() { return (eye.size + kObjectBin - 1) / kObjectBin; }

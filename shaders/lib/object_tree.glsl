@@ -1,5 +1,7 @@
 // The tree of boxes and spheres, and what asks nodes of any tree. To walk it, begin with node 0. After a node that is
-// entered comes the next one in the buffer, after one that is left out the node `next`. Include after the tick and `ObjectNode object_nodes[]`.
+// entered comes the next one in the buffer, after one that is left out the node `next`.
+#include "shaders/blocks/tick.glsl"
+
 uint objectNodes() { return max(2 * (tick.opaque_count - tick.plane_count), 1) - 1; }
 
 vec3 inverseOf(vec3 dir) { return 1 / mix(dir, vec3(1e-12), lessThan(abs(dir), vec3(1e-12))); }

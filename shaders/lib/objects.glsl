@@ -1,4 +1,4 @@
-// Intersections of rays with opaque objects. Include after a buffer `Opaque objects[]` and the tick are declared.
+// Intersections of rays with opaque objects.
 
 // Rotates a vector into an object's own axes (yaw about +Y).
 vec3 toObject(Opaque o, vec3 v) {

@@ -1,5 +1,6 @@
 // Whether opaque objects lie between two places: planes, boxes, spheres and triangles. Include after
 // lib/objects.glsl, lib/object_tree.glsl and lib/mesh.glsl.
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/behind_bodies.glsl"
 
 // True if an object lies between x and x + dir. own: true if a box or a sphere that x lies in counts, too.

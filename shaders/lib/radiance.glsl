@@ -1,6 +1,8 @@
 // Light at a place as method `gradients` interpolates it: of points and spots fluence, or the part of it that arrives;
-// of the sun the part that arrives. Include after the tick, `LightSampling push`, and what lit_grid.comp declares for
-// lights, objects and the medium's nodes.
+// of the sun the part that arrives. Include after `LightSampling push`, and what lit_grid.comp declares for the
+// medium's nodes.
+#include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/lib/grid_marks.glsl"
 #include "shaders/lib/extinction_nodes.glsl"
 #include "shaders/lib/light.glsl"

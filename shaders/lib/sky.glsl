@@ -1,3 +1,4 @@
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/sky.h"
 
 // Radiance of the sky in the unit direction `w`; include after the tick is declared.

@@ -1,4 +1,6 @@
 // Light of the sun and of all points and spots in a slice of a ray. Include after lib/froxel_light.glsl.
+#include "shaders/blocks/light_bits.glsl"
+#include "shaders/blocks/tick.glsl"
 
 layout(constant_id = kIdLightsAtSample) const bool kLightsAtSample = false;
 

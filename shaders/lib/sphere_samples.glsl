@@ -1,5 +1,5 @@
 // Samples in spheres: the first ones, then those of grids, each with twice as many cells along an axis as the one
-// before. Include after lib/radiance_bindings.glsl.
+// before. Include after lib/radiance_inputs.glsl.
 #include "shaders/shared/sphere_samples.h"
 
 // Samples of a grid along each axis, and m between them.

@@ -1,4 +1,5 @@
 // The sun's light at a node of `push.lit`. Include after lib/light.glsl, lib/fog.glsl and lib/occluded.glsl.
+#include "shaders/blocks/tick.glsl"
 
 const float kFarAway = 1e6;  // m, where the sun's rays are taken to begin
 const float kSunApart = 0.5; // spacings: the sun is looked for from so far around a node, four times

@@ -2,10 +2,10 @@
 // nothing sorted. Which face a line leaves by follows from the sides on which it passes the edges. Two tetrahedra
 // compute the same side for an edge that they share, so no line is lost between them (Platis and Theoharis 2003).
 // Include after these buffers are declared:
-//   Particle particles[]              the corners
 //   Tetrahedron cells[]
 //   TetrahedraFace faces[]            of the outside
 //   ObjectNode face_nodes[]           their tree
+#include "shaders/blocks/particles.glsl"
 
 const float kEndless = 1e30; // m
 

@@ -3,6 +3,8 @@
 // Include after lib/light.glsl, lib/tetrahedra.glsl and these push constants are declared:
 //   uint faces     of the outside
 //   float agrees   optical depth that the map's numbers may differ by
+#include "shaders/blocks/shadow_volume.glsl"
+#include "shaders/blocks/tick.glsl"
 
 const float kDark = 12; // optical depth from which on no light is seen
 

@@ -1,5 +1,7 @@
-// The union of balls on a ray toward the sun. Include after the tick, `Particle particles[]` and `uint union_bits[]`,
-// which union_bins.comp has written for this tick.
+// The union of balls on a ray toward the sun. Include after `uint union_bits[]`, which union_bins.comp has
+// written for this tick.
+#include "shaders/blocks/particles.glsl"
+#include "shaders/blocks/tick.glsl"
 #include "shaders/shared/interval_set.h"
 
 struct UnionRay {

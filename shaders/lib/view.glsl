@@ -1,7 +1,7 @@
 // Views whose passes run together: z of a workgroup is the index of its view. Include after shared/types.h; main()
 // calls enterView() first. Passes with much work per pixel run for one view at a time: CPU drivers load lane by lane
 // if an address is no constant.
-layout(scalar, binding = 1) readonly buffer Views { View views[]; };
+layout(scalar) readonly buffer Views { View views[]; };
 
 Eye eye;
 MapRays map_rays;

@@ -32,7 +32,7 @@ protected:
         const ObjectBuffers objects(device(), scene);
         const MeshBuffers meshes(device(), scene.triangles);
         const gpu::Tick tick = tickOf(scene, particles);
-        const gpu::Buffer uniforms(device(), 1024, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+        const gpu::Buffer uniforms(device(), 768 + 256, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
         uniforms.mapped<gpu::Tick>(1)[0] = tick;
         gpu::Eye& eye = uniforms.mapped<gpu::Eye>(1, 768)[0];
         eye = {};
@@ -61,25 +61,25 @@ protected:
         const VkCommandBuffer cmd = commands.begin();
         gpu::toGeneral(cmd, target.radiance);
         gpu::toGeneral(cmd, target.view_depth);
-        const gpu::Resource block = gpu::uniformBuffer(0, uniforms, 0, sizeof(gpu::Tick));
-        casters.record(commands, block, tick, objects.objects(), objects.all());
-        volume.record(commands, block, tick, medium);
-        const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "no lights");
-        const TickInputs shared{.objects = &objects.objects(),
-                                .object_nodes = &objects.nodes(),
-                                .triangles = &meshes.triangles,
-                                .mesh_nodes = &meshes.nodes,
-                                .bodies = tick.opaque_count - tick.plane_count,
-                                .local_lights = &none,
-                                .light_bits = &none,
-                                .light_depths = &none,
-                                .shadow_volume = &volume.image(),
-                                .opaque_shadow = &casters.image(),
-                                .linear = &linear,
-                                .nearest = &nearest};
-        const MediumView view{.tick = block};
-        EyeInputs in{.shared = &shared, .medium = &view, .target = &target, .size = {width, height}};
-        in.eye = gpu::uniformBuffer(1, uniforms, 768, sizeof(gpu::Eye));
+        const gpu::Buffer none(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "nothing");
+        gpu::Resources all;
+        all.give(gpu::uniformBuffer("TickBlock", uniforms, 0, sizeof(gpu::Tick)));
+        all.give(gpu::uniformBuffer("EyeBlock", uniforms, 768, 256));
+        all.give(gpu::storageBuffer("Particles", medium));
+        all.give(gpu::storageBuffer("Objects", objects.objects()));
+        all.give(gpu::storageBuffer("ObjectNodes", objects.nodes()));
+        all.give(gpu::storageBuffer("Triangles", meshes.triangles));
+        all.give(gpu::storageBuffer("MeshNodes", meshes.nodes));
+        for (const char* lights : {"LocalLights", "LightBits", "LightDepths", "UnionBits", "UnionLights"})
+            all.give(gpu::storageBuffer(lights, none));
+        casters.record(commands, all, tick, objects.all());
+        volume.record(commands, all, tick);
+        all.give(gpu::sampledImage("shadow_volume", volume.image(), linear));
+        all.give(gpu::sampledImage("opaque_shadow", casters.image(), nearest));
+        target.giveTo(all, nearest);
+        const TickInputs shared{
+            .bodies = tick.opaque_count - tick.plane_count, .particles = &medium, .nearest = &nearest};
+        const EyeInputs in{.shared = &shared, .target = &target, .size = {width, height}, .resources = all};
         surfaces.record(commands, in);
         commands.submit();
         waitFor(commands);

@@ -44,7 +44,7 @@ protected:
         const gpu::Buffer upload(on, depths.pixels.size() * sizeof(float), VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                                  gpu::Memory::upload, "depths");
         std::ranges::copy(depths.pixels, upload.mapped<float>(depths.pixels.size()).begin());
-        const gpu::Buffer block(on, sizeof(gpu::Eye), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "eye");
+        const gpu::Buffer block(on, 256, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "eye");
         block.mapped<gpu::Eye>(1)[0] = eyeBlock({pose, size.width, size.height}, scene.render);
         const auto readback = [&](size_t words) {
             return gpu::Buffer(on, words * sizeof(uint32_t), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
@@ -54,31 +54,32 @@ protected:
         const gpu::Buffer order = readback(particles.size()), arguments = readback(kWords);
         FurthestDepths furthest(on);
         DepthOrder depth_order(on, uint32_t(particles.size()));
-        recordAndWait(
-            on, tickOf(scene, particles), particles,
-            [&](gpu::Commands& commands, const gpu::Resource& tick, const gpu::Buffer& buffer) {
-                const VkCommandBuffer cmd = commands.handle();
-                gpu::toGeneral(cmd, target.view_depth);
-                gpu::everythingBefore(cmd);
-                VkBufferImageCopy copy{};
-                copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-                copy.imageExtent = {size.width, size.height, 1};
-                vkCmdCopyBufferToImage(cmd, upload.handle(), target.view_depth.handle(), VK_IMAGE_LAYOUT_GENERAL, 1,
-                                       &copy);
-                const TickInputs shared{.nearest = &nearest};
-                const MediumView medium{.tick = tick, .particles = &buffer, .count = uint32_t(particles.size())};
-                const gpu::Resource eye = gpu::uniformBuffer(1, block, 0, sizeof(gpu::Eye));
-                EyeInputs in{.shared = &shared, .medium = &medium, .target = &target, .size = size, .eye = eye};
-                in.stereo_partner = eye;
-                in.stereo_partner.binding = 6;
-                furthest.prepare({&in, 1});
-                depth_order.record(commands, in, DepthOrder::Support::sphere, 8, 1, &furthest);
-                gpu::everythingBefore(cmd);
-                const VkBufferCopy values{0, 0, order.size()}, counts{0, 0, arguments.size()};
-                vkCmdCopyBuffer(cmd, depth_order.order().handle(), order.handle(), 1, &values);
-                vkCmdCopyBuffer(cmd, depth_order.arguments().handle(), arguments.handle(), 1, &counts);
-                gpu::transferToHost(cmd);
-            });
+        recordAndWait(on, tickOf(scene, particles), "Particles", particles,
+                      [&](gpu::Commands& commands, gpu::Resources& shared) {
+                          const VkCommandBuffer cmd = commands.handle();
+                          gpu::toGeneral(cmd, target.view_depth);
+                          gpu::everythingBefore(cmd);
+                          VkBufferImageCopy copy{};
+                          copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+                          copy.imageExtent = {size.width, size.height, 1};
+                          vkCmdCopyBufferToImage(cmd, upload.handle(), target.view_depth.handle(),
+                                                 VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+                          const TickInputs tick{.nearest = &nearest};
+                          const MediumView medium{.resources = shared, .count = uint32_t(particles.size())};
+                          const gpu::Resource eye = gpu::uniformBuffer("EyeBlock", block, 0, 256);
+                          EyeInputs in{.shared = &tick, .medium = &medium, .target = &target, .size = size};
+                          in.resources = gpu::Resources(&medium.resources);
+                          in.resources.give(eye);
+                          in.resources.give(eye.as("OtherBlock"));
+                          in.resources.give(gpu::sampledImage("view_depth", target.view_depth, nearest));
+                          furthest.prepare({&in, 1});
+                          depth_order.record(commands, in, DepthOrder::Support::sphere, 8, 1, &furthest);
+                          gpu::everythingBefore(cmd);
+                          const VkBufferCopy values{0, 0, order.size()}, counts{0, 0, arguments.size()};
+                          vkCmdCopyBuffer(cmd, depth_order.order().handle(), order.handle(), 1, &values);
+                          vkCmdCopyBuffer(cmd, depth_order.arguments().handle(), arguments.handle(), 1, &counts);
+                          gpu::transferToHost(cmd);
+                      });
         order.invalidate();
         arguments.invalidate();
         const uint32_t count = arguments.mapped<gpu::DrawArguments>(1)[0].instance_count;

@@ -144,9 +144,9 @@ TEST_F(GpuTest, SoftShadowsAreMeansOfTwentyFiveTexels) {
 
     const gpu::Tick tick = tickOf(scene, particlesOf(scene));
     OpaqueShadow shadow(device());
-    recordAndWait(device(), tick, opaqueObjects(scene),
-                  [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& objects) {
-                      shadow.record(commands, block, tick, objects, opaqueObjects(scene));
+    recordAndWait(device(), tick, "Objects", opaqueObjects(scene),
+                  [&](gpu::Commands& commands, gpu::Resources& shared) {
+                      shadow.record(commands, shared, tick, opaqueObjects(scene));
                   });
     const std::vector<float> map = readImage(device(), shadow.image(), 1);
     const int size = int(tick.map.opaque_size);

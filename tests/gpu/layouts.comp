@@ -7,14 +7,14 @@
 
 layout(local_size_x = 1) in;
 
-layout(scalar, binding = 0) uniform TickBlock { Tick tick; };
-layout(scalar, binding = 1) uniform EyeBlock { Eye eye; };
-layout(scalar, binding = 2) readonly buffer Particles { Particle particles[]; };
-layout(scalar, binding = 3) readonly buffer Objects { Opaque objects[]; };
-layout(scalar, binding = 4) readonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar, binding = 5) readonly buffer Arguments { DrawArguments arguments; };
-layout(scalar, binding = 7) readonly buffer Views { View views[]; };
-layout(scalar, binding = 6) writeonly buffer Words { uint words[]; };
+layout(scalar) uniform TickBlock { Tick tick; };
+layout(scalar) uniform EyeBlock { Eye eye; };
+layout(scalar) readonly buffer Particles { Particle particles[]; };
+layout(scalar) readonly buffer Objects { Opaque objects[]; };
+layout(scalar) readonly buffer LightParticles { LightParticle light_particles[]; };
+layout(scalar) readonly buffer Arguments { DrawArguments arguments; };
+layout(scalar) readonly buffer Views { View views[]; };
+layout(scalar) writeonly buffer Words { uint words[]; };
 
 uint at = 0;
 void put(uint word) { words[at++] = word; }

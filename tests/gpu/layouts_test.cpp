@@ -93,9 +93,11 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
     Commands commands(device(), "layouts");
     const VkCommandBuffer cmd = commands.begin();
-    program.bind(commands, {uniformBuffer(0, tick, 0, sizeof(Tick)), uniformBuffer(1, eye, 0, sizeof(Eye)),
-                            storageBuffer(2, particles), storageBuffer(3, objects), storageBuffer(4, light),
-                            storageBuffer(5, arguments), storageBuffer(6, words), storageBuffer(7, views)});
+    program.bind(commands,
+                 {uniformBuffer("TickBlock", tick, 0, sizeof(Tick)), uniformBuffer("EyeBlock", eye, 0, sizeof(Eye)),
+                  storageBuffer("Particles", particles), storageBuffer("Objects", objects),
+                  storageBuffer("LightParticles", light), storageBuffer("Arguments", arguments),
+                  storageBuffer("Words", words), storageBuffer("Views", views)});
     vkCmdDispatch(cmd, 1, 1, 1);
     commands.submit();
     waitFor(commands);
@@ -119,7 +121,7 @@ TEST_F(GpuTest, TinyNumbersAreZeroOnCpuDrivers) {
     const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, tiny_numbers_comp, "tiny_numbers"});
     Commands commands(device(), "tiny numbers");
     const VkCommandBuffer cmd = commands.begin();
-    program.bind(commands, {storageBuffer(0, numbers), storageBuffer(1, squares)});
+    program.bind(commands, {storageBuffer("Numbers", numbers), storageBuffer("Squares", squares)});
     vkCmdDispatch(cmd, 1, 1, 1);
     commands.submit();
     waitFor(commands);
@@ -144,7 +146,8 @@ TEST_F(GpuTest, EveryBindingOfARecordingIsKept) {
         buffer.flush();
         const VkCommandBuffer cmd = commands.begin();
         for (uint32_t i = 0; i < kBindings; ++i) {
-            program.bind(commands, {storageBuffer(2, buffer, VkDeviceSize(i) * kWords * 4, VkDeviceSize(kWords) * 4)},
+            program.bind(commands,
+                         {storageBuffer("Histogram", buffer, VkDeviceSize(i) * kWords * 4, VkDeviceSize(kWords) * 4)},
                          kWords);
             vkCmdDispatch(cmd, 1, 1, 1);
         }
@@ -230,15 +233,15 @@ TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
     };
     constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
     const Buffer buffer(device(), 256, kUsage, Memory::device, "some");
-    EXPECT_EQ(storageBuffer(2, buffer, 16).buffer.range, 240u);
+    EXPECT_EQ(storageBuffer("Some", buffer, 16).buffer.range, 240u);
 
     Commands commands(device(), "too large");
     commands.begin();
     const auto bind = [&](VkDeviceSize tick, VkDeviceSize particles) { // bytes; nothing is dispatched
         const glm::uvec4 push{};
         program.bind(commands,
-                     {uniformBuffer(0, buffer, 0, tick), storageBuffer(2, buffer, 0, particles),
-                      storageBuffer(3, buffer), storageBuffer(4, buffer)},
+                     {uniformBuffer("TickBlock", buffer, 0, tick), storageBuffer("Particles", buffer, 0, particles),
+                      storageBuffer("LightParticles", buffer), storageBuffer("Bits", buffer)},
                      push);
     };
     EXPECT_NO_THROW(bind(256, 256));
@@ -264,14 +267,36 @@ TEST_F(GpuTest, ABufferIsReplacedOnlyByALargerOne) {
     EXPECT_EQ(buffer.size(), 257u);
 }
 
-TEST_F(GpuTest, AProgramRefusesWrongBindings) {
-    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, layouts_comp, "layouts"});
-    const Buffer buffer(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::device, "some");
-    Commands commands(device(), "wrong");
+// What shaders ask for and nobody gives is told by its name. A pass's own counts before what is shared; what is too
+// much is passed over.
+TEST_F(GpuTest, ResourcesAreFoundByTheirNames) {
+    const ComputeProgram program(device(), {VK_SHADER_STAGE_COMPUTE_BIT, tiny_numbers_comp, "tiny_numbers"});
+    const Buffer buffer(device(), 256, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                        Memory::device, "some");
+    Commands commands(device(), "names");
     commands.begin();
-    EXPECT_THROW(program.bind(commands, {storageBuffer(2, buffer)}), Error); // the others are missing
-    EXPECT_THROW(program.bind(commands, {storageBuffer(0, buffer), storageBuffer(2, buffer)}),
-                 Error); // 0 is a uniform buffer
+    Resources outer, shared(&outer);
+    const auto why = [&](std::initializer_list<Resource> own) {
+        return refusal([&] { program.bind(commands, shared, own); });
+    };
+    outer.give(storageBuffer("Nobody's", buffer));
+    EXPECT_EQ(why({storageBuffer("Squares", buffer)}), "tiny_numbers: nobody gives it the storage buffer 'Numbers'");
+    outer.give(uniformBuffer("Numbers", buffer, 0, 256));
+    EXPECT_EQ(why({storageBuffer("Squares", buffer)}), "tiny_numbers: nobody gives it the storage buffer 'Numbers'")
+        << "of another type";
+    outer.give(storageBuffer("Numbers", buffer, 0, 256));
+    EXPECT_EQ(why({storageBuffer("Squares", buffer)}), "");
+    EXPECT_EQ(why({}), "tiny_numbers: nobody gives it the storage buffer 'Squares'");
+    shared.give(storageBuffer("Squares", buffer));
+    EXPECT_EQ(why({}), "");
+
+    const auto sizeOf = [&] { return shared.storage("Numbers").buffer.range; };
+    EXPECT_EQ(sizeOf(), 256u);
+    outer.give(storageBuffer("Numbers", buffer, 0, 64)); // in place of the one before
+    EXPECT_EQ(sizeOf(), 64u);
+    shared.give(storageBuffer("Squares", buffer, 0, 32).as("Numbers"));
+    EXPECT_EQ(sizeOf(), 32u) << "the inner one counts";
+    EXPECT_EQ(shared.find("numbers", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER), nullptr);
     commands.submit();
     waitFor(commands);
 }

@@ -10,10 +10,10 @@
 
 namespace brume::test {
 
-// Records one pass with a tick block and a buffer of `elements`, submits it and waits.
+// Records one pass with TickBlock and a buffer of that name with `elements`, submits it and waits.
 template <class Element, class Record>
-void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::vector<Element>& elements,
-                   const Record& record) {
+void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, std::string_view name,
+                   const std::vector<Element>& elements, const Record& record) {
     const gpu::Buffer block(device, sizeof(gpu::Tick), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "tick");
     const size_t count = std::max<size_t>(elements.size(), 1);
     const gpu::Buffer buffer(device, count * sizeof(Element), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
@@ -22,7 +22,10 @@ void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, const std::
     std::copy(elements.begin(), elements.end(), buffer.mapped<Element>(elements.size()).begin());
     gpu::Commands commands(device, "light");
     commands.begin();
-    record(commands, gpu::uniformBuffer(0, block, 0, sizeof(gpu::Tick)), buffer);
+    gpu::Resources shared;
+    shared.give(gpu::uniformBuffer("TickBlock", block, 0, sizeof(gpu::Tick)));
+    shared.give(gpu::storageBuffer(name, buffer));
+    record(commands, shared);
     commands.submit();
     waitFor(commands);
 }

@@ -47,9 +47,9 @@ TEST_F(GpuTest, OpaqueShadowMapHoldsTheHeightsOfTheTopmost) {
             scene.lights[0].to_light = glm::normalize(to_light);
             scene.render.opaque_shadow_size = size;
             const gpu::Tick tick = tickOf(scene, {});
-            recordAndWait(device(), tick, opaqueObjects(scene),
-                          [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& objects) {
-                              shadow.record(commands, block, tick, objects, opaqueObjects(scene));
+            recordAndWait(device(), tick, "Objects", opaqueObjects(scene),
+                          [&](gpu::Commands& commands, gpu::Resources& shared) {
+                              shadow.record(commands, shared, tick, opaqueObjects(scene));
                           });
             const std::vector<float> map = readImage(device(), shadow.image(), 1);
             const auto height = [&](glm::dvec2 at) {

@@ -23,16 +23,16 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
     ShadowVolume volume(device, count);
     ParticleLight light(device, count);
     const gpu::Sampler linear(device, VK_FILTER_LINEAR);
-    recordAndWait(device, tick, particles,
-                  [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                      volume.record(commands, block, tick, buffer);
-                      light.record(commands, {block, &objects.objects(), &buffer, &volume.image(), &linear}, count,
-                                   scene.render.tiles.light_tolerance);
-                      gpu::computeToTransfer(commands.handle());
-                      const VkBufferCopy copy{0, 0, back.size()};
-                      vkCmdCopyBuffer(commands.handle(), light.buffer().handle(), back.handle(), 1, &copy);
-                      gpu::transferToHost(commands.handle());
-                  });
+    recordAndWait(device, tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
+        volume.record(commands, shared, tick);
+        shared.give(gpu::storageBuffer("Objects", objects.objects()));
+        shared.give(gpu::sampledImage("shadow_volume", volume.image(), linear));
+        light.record(commands, shared, count, scene.render.tiles.light_tolerance);
+        gpu::computeToTransfer(commands.handle());
+        const VkBufferCopy copy{0, 0, back.size()};
+        vkCmdCopyBuffer(commands.handle(), light.buffer().handle(), back.handle(), 1, &copy);
+        gpu::transferToHost(commands.handle());
+    });
     back.invalidate();
     const auto mapped = back.mapped<gpu::ParticleLight>(count);
     return {mapped.begin(), mapped.end()};

@@ -6,9 +6,9 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
-layout(scalar, binding = 1) readonly buffer Froxels { uint shadow_froxels[]; };
-layout(scalar, binding = 2) writeonly buffer Lit { uint lit[]; };
+layout(scalar) readonly buffer Frusta { ShadowFrustum shadow_frusta[]; };
+layout(scalar) readonly buffer Froxels { uint shadow_froxels[]; };
+layout(scalar) writeonly buffer Lit { uint lit[]; };
 
 layout(push_constant, scalar) uniform Push { uint view, columns; } push;
 

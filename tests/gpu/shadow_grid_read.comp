@@ -7,10 +7,10 @@
 
 layout(local_size_x = 64) in;
 
-layout(scalar, binding = 0) uniform GridBlock { ShadowGridBlock shadow_grid; };
-layout(scalar, binding = 1) readonly buffer Voxels { uint shadow_voxels[]; };
-layout(scalar, binding = 2) readonly buffer Places { vec3 places[]; };
-layout(scalar, binding = 3) writeonly buffer Lit { float lit[]; };
+layout(scalar) uniform GridBlock { ShadowGridBlock shadow_grid; };
+layout(scalar) readonly buffer Voxels { uint shadow_voxels[]; };
+layout(scalar) readonly buffer Places { vec3 places[]; };
+layout(scalar) writeonly buffer Lit { float lit[]; };
 
 layout(push_constant, scalar) uniform Push { uint count, slot; } push;
 

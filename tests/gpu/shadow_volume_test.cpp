@@ -48,10 +48,9 @@ protected:
     static std::vector<float> texelsOf(ShadowVolume& volume, const Scene& scene,
                                        const std::vector<gpu::Particle>& particles, gpu::Tick& tick) {
         tick = tickOf(scene, particles);
-        recordAndWait(device(), tick, particles,
-                      [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                          EXPECT_TRUE(volume.record(commands, block, tick, buffer));
-                      });
+        recordAndWait(device(), tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
+            EXPECT_TRUE(volume.record(commands, shared, tick));
+        });
         const std::vector<float> stored = readImage(device(), volume.image(), 4);
         const size_t area = size_t(tick.map.texels.x) * tick.map.texels.y;
         std::vector<float> texels(area * tick.map.slices);
@@ -260,10 +259,9 @@ TEST_F(ShadowVolumeTest, IsRecordedOnceForWhatRests) {
     const auto recorded = [&](const Scene& what, bool same_particles) {
         const gpu::Tick tick = tickOf(what, particles);
         bool result = false;
-        recordAndWait(device(), tick, particles,
-                      [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                          result = volume_.record(commands, block, tick, buffer, same_particles);
-                      });
+        recordAndWait(device(), tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
+            result = volume_.record(commands, shared, tick, same_particles);
+        });
         return result;
     };
     EXPECT_TRUE(recorded(scene, true)) << "there is none yet";

@@ -108,9 +108,9 @@ public:
         run(
             [&](gpu::Commands& commands, const ShadowGridInputs&) {
                 read_.bind(commands,
-                           {gpu::uniformBuffer(0, grid_.block(), 0, sizeof(gpu::ShadowGridBlock)),
-                            gpu::storageBuffer(1, grid_.voxels()), gpu::storageBuffer(2, from),
-                            gpu::storageBuffer(3, to)},
+                           {gpu::uniformBuffer("GridBlock", grid_.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                            gpu::storageBuffer("Voxels", grid_.voxels()), gpu::storageBuffer("Places", from),
+                            gpu::storageBuffer("Lit", to)},
                            glm::uvec2(count, slot));
                 vkCmdDispatch(commands.handle(), gpu::groups(count, 64), 1, 1);
                 gpu::computeToHost(commands.handle());
@@ -133,10 +133,10 @@ public:
         run(
             [&](gpu::Commands& commands, const ShadowGridInputs& in) {
                 grid_.record(commands, in);
-                frusta.record(commands, in.tick_block, in.shared, grid_, eyes, {&slices, 1});
+                frusta.record(commands, in.resources, in.shared, grid_, eyes, {&slices, 1});
                 read.bind(commands,
-                          {gpu::storageBuffer(0, frusta.frusta()), gpu::storageBuffer(1, frusta.froxels()),
-                           gpu::storageBuffer(2, to)},
+                          {gpu::storageBuffer("Frusta", frusta.frusta()),
+                           gpu::storageBuffer("Froxels", frusta.froxels()), gpu::storageBuffer("Lit", to)},
                           glm::uvec2(view, columns));
                 vkCmdDispatch(commands.handle(), gpu::groups(count, 64), 1, 1);
                 gpu::computeToHost(commands.handle());
@@ -159,24 +159,22 @@ private:
         std::vector<gpu::LocalLight> lights;
         for (const Light& light : localLightsOf(scene_)) lights.push_back(localLightBlock(light));
         const gpu::Tick tick = tickOf(scene_, {});
-        const TickInputs shared{.settings = &scene_.render,
-                                .objects = &objects_.objects(),
-                                .object_nodes = &objects_.nodes(),
-                                .triangles = &meshes_.triangles,
-                                .mesh_nodes = &meshes_.nodes,
-                                .features = {.meshes = !scene_.triangles.empty()}};
-        recordAndWait(device_, tick, lights,
-                      [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer&) {
-                          recorded(commands, {.tick_block = block,
-                                              .tick = tick,
-                                              .shared = shared,
-                                              .lights = lights,
-                                              .lo = lo_,
-                                              .hi = hi_,
-                                              .eyes = eyes,
-                                              .far = kFar,
-                                              .key = key_});
-                      });
+        const TickInputs inputs{.settings = &scene_.render, .features = {.meshes = !scene_.triangles.empty()}};
+        recordAndWait(device_, tick, "LocalLights", lights, [&](gpu::Commands& commands, gpu::Resources& shared) {
+            shared.give(gpu::storageBuffer("Objects", objects_.objects()));
+            shared.give(gpu::storageBuffer("ObjectNodes", objects_.nodes()));
+            shared.give(gpu::storageBuffer("Triangles", meshes_.triangles));
+            shared.give(gpu::storageBuffer("MeshNodes", meshes_.nodes));
+            recorded(commands, {.resources = shared,
+                                .tick = tick,
+                                .shared = inputs,
+                                .lights = lights,
+                                .lo = lo_,
+                                .hi = hi_,
+                                .eyes = eyes,
+                                .far = kFar,
+                                .key = key_});
+        });
     }
 
     const gpu::Device& device_;

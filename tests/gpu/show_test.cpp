@@ -158,10 +158,8 @@ TEST_F(ShowTest, ShadowShowsTheTexels) {
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     const gpu::Tick tick = tickOf(scene, particles);
     ShadowVolume volume(device(), uint32_t(particles.size()));
-    recordAndWait(device(), tick, particles,
-                  [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                      volume.record(commands, block, tick, buffer);
-                  });
+    recordAndWait(device(), tick, "Particles", particles,
+                  [&](gpu::Commands& commands, gpu::Resources& shared) { volume.record(commands, shared, tick); });
     const std::vector<float> stored = readImage(device(), volume.image(), 4);
     const Shown shown = see(scene, gpu::kShowShadow);
     const glm::uvec2 texels = tick.map.texels;

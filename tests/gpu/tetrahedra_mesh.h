@@ -166,10 +166,9 @@ protected:
         TetrahedraBuffers buffers(device(), scene.tetrahedra);
         buffers.follow(particles);
         ShadowVolume volume(device(), uint32_t(particles.size()));
-        recordAndWait(device(), tick, particles,
-                      [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                          volume.record(commands, block, tick, buffer, false, &buffers);
-                      });
+        recordAndWait(device(), tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
+            volume.record(commands, shared, tick, false, &buffers);
+        });
         const std::vector<float> texels = readImage(device(), volume.image(), 4);
         const glm::dvec3 toward(tick.sun.to_light);
         double worst = 0;

@@ -40,15 +40,15 @@ std::vector<gpu::ParticleLight> lightOf(const gpu::Device& device, const Scene& 
     const auto count = uint32_t(particles.size());
     const gpu::Buffer back(device, count * sizeof(gpu::ParticleLight), VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            gpu::Memory::readback, "light readback");
-    recordAndWait(device, tick, particles,
-                  [&](gpu::Commands& commands, const gpu::Resource& block, const gpu::Buffer& buffer) {
-                      path.record(commands, {.tick = block, .particles = &buffer, .count = count},
-                                  {&objects.objects(), &objects.nodes()});
-                      gpu::computeToTransfer(commands.handle());
-                      const VkBufferCopy copy{0, 0, back.size()};
-                      vkCmdCopyBuffer(commands.handle(), path.lights().handle(), back.handle(), 1, &copy);
-                      gpu::transferToHost(commands.handle());
-                  });
+    recordAndWait(device, tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
+        shared.give(gpu::storageBuffer("Objects", objects.objects()));
+        shared.give(gpu::storageBuffer("ObjectNodes", objects.nodes()));
+        path.record(commands, {.resources = shared, .count = count});
+        gpu::computeToTransfer(commands.handle());
+        const VkBufferCopy copy{0, 0, back.size()};
+        vkCmdCopyBuffer(commands.handle(), path.lights().handle(), back.handle(), 1, &copy);
+        gpu::transferToHost(commands.handle());
+    });
     back.invalidate();
     const auto mapped = back.mapped<gpu::ParticleLight>(count);
     return {mapped.begin(), mapped.end()};

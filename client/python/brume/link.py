@@ -1,6 +1,7 @@
 """The connection to a server, in a thread of its own: it answers pings, acknowledges frames and comes back when it was
 lost, whatever the caller's thread does meanwhile."""
 import asyncio
+import contextlib
 import random
 import threading
 import time
@@ -146,7 +147,7 @@ class Link:
             self.failure = self.failure or BrumeError('the viewer is closed')
             self.changed.notify_all()
         if self._loop and self._thread.is_alive():
-            asyncio.run_coroutine_threadsafe(self._hang_up(), self._loop)
+            self._run(self._hang_up)
             self._thread.join(5)
 
     # ---- both; with `changed` held ----
@@ -154,7 +155,12 @@ class Link:
     def _send(self, data):
         socket = self._socket
         if socket:
-            asyncio.run_coroutine_threadsafe(self._put(socket, data), self._loop)
+            self._run(self._put, socket, data)
+
+    def _run(self, what, *args):
+        """In the connection's own thread, unless that has ended."""
+        with contextlib.suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(lambda: asyncio.ensure_future(what(*args)))
 
     def _send_pose(self, hidden):
         self._pose += 1

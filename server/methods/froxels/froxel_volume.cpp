@@ -116,10 +116,7 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
             gpu::FroxelGrid froxels;
             glm::uvec2 rows;
         } push{froxels, {row * froxels.pixels, std::min((row + froxels.rays.y - 1) * froxels.pixels, in.size.height)}};
-        apply_.bind(commands,
-                    {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, volume_),
-                     gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
-                    push);
+        apply_.bind(commands, in.resources, {gpu::storageBuffer("Volume", volume_)}, push);
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 16), gpu::groups(push.rows.y - push.rows.x, 4), 1);
         gpu::computeToCompute(cmd);
     }

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "server/gpu/program.h"
 #include "server/methods/method.h"
 #include "server/methods/proxies/furthest_depths.h"
 #include "shaders/shared/froxels.h"

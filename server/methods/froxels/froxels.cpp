@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/gpu/program.h"
 #include "server/inputs/world_box.h"
 #include "server/light/shadow_frustum.h"
 #include "server/light/shadow_grid.h"
@@ -48,7 +49,7 @@ public:
         if (shadows != gpu::kShadowsByGrid && shadows != gpu::kShadowsHybrid) return;
         Bounds3 box = worldBox(tick, medium);
         if (!(box.lo.x <= box.hi.x)) box = {glm::dvec3(-1), glm::dvec3(1)}; // nothing throws shadows
-        grid_.record(commands, {.tick_block = medium.tick,
+        grid_.record(commands, {.resources = medium.resources,
                                 .tick = *tick.tick,
                                 .shared = tick,
                                 .lights = tick.lights,
@@ -58,14 +59,12 @@ public:
                                 .far = far_,
                                 .margin = float(tick.settings->froxels.pixels),
                                 .key = tick.objects_version});
-        if (shadows == gpu::kShadowsHybrid) frusta_.record(commands, medium.tick, tick, grid_, eyes_, slices_);
+        if (shadows == gpu::kShadowsHybrid) frusta_.record(commands, medium.resources, tick, grid_, eyes_, slices_);
     }
 
     LightWork workSince() override { return {.voxel_rays = grid_.raysSince(), .froxel_rays = frusta_.raysSince()}; }
 
 private:
-    static const gpu::Buffer& orAny(const gpu::Buffer& buffer, const gpu::Buffer& any) { return buffer ? buffer : any; }
-
     void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override {
         const gpu::Commands::Pass pass(commands, "froxels", in.view);
         const TickInputs& shared = *in.shared;
@@ -78,33 +77,20 @@ private:
         } push{froxels, nodes_.grid(), in.medium->extent->albedo, in.view, tick};
         const bool whole = froxels.first_row == 0 && (froxels.rays.y - 1) * froxels.pixels >= in.size.height;
         const FroxelHistory::Bound history = history_.record(commands, in, froxels, whole);
-        const gpu::Buffer& any = *shared.objects; // bound, but not read
+        // A buffer that this way does not have is not read.
+        const auto orAny = [&in](std::string_view name, const gpu::Buffer& buffer) {
+            return buffer ? gpu::storageBuffer(name, buffer) : in.resources.storage("Objects").as(name);
+        };
         FroxelShaders shaders = shadersFor(shared.settings->froxels);
         shaders.history = shaders.history && history.has;
         program(shaders, in.medium->extent->one_albedo)
-            .bind(commands,
-                  {in.medium->tick,
-                   in.eye,
-                   gpu::storageBuffer(2, nodes_.nodes()),
-                   gpu::storageBuffer(3, volume()),
-                   gpu::storageBuffer(4, furthest()),
-                   gpu::storageBuffer(5, nodes_.marks()),
-                   gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
-                   gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
-                   gpu::storageBuffer(8, *shared.local_lights),
-                   gpu::storageBuffer(9, *shared.light_bits),
-                   gpu::storageBuffer(10, *shared.light_depths),
-                   gpu::storageBuffer(11, *shared.objects),
-                   gpu::storageBuffer(12, *shared.object_nodes),
-                   gpu::storageBuffer(13, *shared.triangles),
-                   gpu::storageBuffer(14, *shared.mesh_nodes),
-                   gpu::uniformBuffer(15, grid_.block(), 0, sizeof(gpu::ShadowGridBlock)),
-                   gpu::storageBuffer(16, orAny(grid_.voxels(), any)),
-                   gpu::storageBuffer(17, orAny(grid_.slots(), any)),
-                   gpu::storageBuffer(18, orAny(frusta_.frusta(), any)),
-                   gpu::storageBuffer(19, orAny(frusta_.froxels(), any)),
-                   gpu::storageBuffer(20, *history.cells),
-                   gpu::uniformBuffer(21, *history.block, 0, sizeof(gpu::HistoryBlock))},
+            .bind(commands, in.resources,
+                  {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Volume", volume()),
+                   gpu::storageBuffer("Furthest", furthest()), gpu::storageBuffer("Marks", nodes_.marks()),
+                   gpu::uniformBuffer("GridBlock", grid_.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                   orAny("Voxels", grid_.voxels()), orAny("Slots", grid_.slots()), orAny("Frusta", frusta_.frusta()),
+                   orAny("FrustumBits", frusta_.froxels()), gpu::storageBuffer("Cells", *history.cells),
+                   gpu::uniformBuffer("HistoryOfEye", *history.block, 0, sizeof(gpu::HistoryBlock))},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
         gpu::computeToCompute(commands.handle());

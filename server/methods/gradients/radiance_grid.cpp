@@ -112,6 +112,10 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     if (spheres) vkCmdFillBuffer(cmd, states_.handle(), 0, VK_WHOLE_SIZE, gpu::kNoSample);
     counts_.begin(commands);
     gpu::transferToCompute(cmd);
+    gpu::Resources shared(&medium.resources);
+    shared.give(gpu::storageBuffer("Nodes", nodes.nodes()));
+    shared.give(gpu::storageBuffer("Marks", nodes.marks()));
+    shared.give(gpu::storageBuffer("Counts", counts_.buffer()));
     const auto record = [&](std::map<SceneFeatures, gpu::ComputeProgram>& programs, std::span<const uint32_t> code,
                             const char* name, std::initializer_list<gpu::Resource> own, glm::uvec3 groups) {
         gpu::ComputeProgram& program = programs[tick.features];
@@ -122,20 +126,7 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
                                            {gpu::kIdHasMeshes, tick.features.meshes},
                                            {gpu::kIdHasFog, tick.features.fog},
                                            {gpu::kIdHasLocalLights, tick.features.local_lights}});
-        std::vector<gpu::Resource> all{medium.tick,
-                                       gpu::storageBuffer(2, nodes.nodes()),
-                                       gpu::storageBuffer(5, nodes.marks()),
-                                       gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
-                                       gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest),
-                                       gpu::storageBuffer(8, *tick.local_lights),
-                                       gpu::storageBuffer(10, *tick.light_depths),
-                                       gpu::storageBuffer(11, *tick.objects),
-                                       gpu::storageBuffer(12, *tick.object_nodes),
-                                       gpu::storageBuffer(13, *tick.triangles),
-                                       gpu::storageBuffer(14, *tick.mesh_nodes),
-                                       gpu::storageBuffer(15, counts_.buffer())};
-        all.insert(all.end(), own.begin(), own.end());
-        program.bind(commands, std::span<const gpu::Resource>(all), std::as_bytes(std::span(&push, 1)));
+        program.bind(commands, shared, own, push);
         vkCmdDispatch(cmd, groups.x, groups.y, groups.z);
         gpu::computeToCompute(cmd);
     };
@@ -147,20 +138,21 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
         for (push.level = -1; push.level < int(push.levels); ++push.level) {
             const uint32_t lanes = push.level < 0 ? push.firsts : samplesOf(push, uint32_t(push.level));
             record(samples_programs_, radiance_samples_comp, "radiance_samples",
-                   {gpu::storageBuffer(16, samples_), gpu::storageBuffer(17, states_), gpu::storageBuffer(18, spheres_),
-                    gpu::storageBuffer(19, *medium.particles)},
+                   {gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
+                    gpu::storageBuffer("Spheres", spheres_)},
                    inLines(lanes));
         }
     if (nested)
         for (push.level = 1 << push.levels; push.level > 0; push.level /= 2) {
             const glm::uvec3 lanes = shape_.bricks * gpu::kSlabTile / uint32_t(push.level);
             record(nested_programs_, radiance_nested_comp, "radiance_nested",
-                   {gpu::storageBuffer(16, values_), gpu::storageBuffer(17, states_)},
+                   {gpu::storageBuffer("Values", values_), gpu::storageBuffer("States", states_)},
                    inLines(lanes.x * lanes.y * lanes.z));
         }
     record(nodes_programs_, radiance_nodes_comp, "radiance_nodes",
-           {gpu::storageBuffer(3, light_.nodes), gpu::storageBuffer(4, light_.sun), gpu::storageBuffer(16, samples_),
-            gpu::storageBuffer(17, states_), gpu::storageBuffer(18, spheres_), gpu::storageBuffer(19, values_)},
+           {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
+            gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
+            gpu::storageBuffer("Spheres", spheres_), gpu::storageBuffer("Values", values_)},
            shape_.bricks);
     counts_.end(commands);
 }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/gpu/counts.h"
+#include "server/gpu/program.h"
 #include "server/methods/lit/lit_grid.h"
 #include "shaders/shared/radiance.h"
 

@@ -34,12 +34,8 @@ private:
                  {gpu::kIdMultipleColours, group.colours.multiple},
                  {gpu::kIdScattering, group.colours.model},
                  {gpu::kIdHasLobe, features_.lobe}})
-            .bind(commands,
-                  {in.medium->tick, group.block, gpu::storageBuffer(2, medium_.nodes()), gpu::storageBuffer(3, field_),
-                   gpu::storageBuffer(5, medium_.marks()),
-                   gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                   gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                   gpu::sampledImage(9, *in.shared->fluence, *in.shared->linear)},
+            .bind(commands, group.resources,
+                  {gpu::storageBuffer("Nodes", medium_.nodes()), gpu::storageBuffer("Marks", medium_.marks())},
                   medium_.grid());
         vkCmdDispatch(cmd, group.most([](const gpu::View& v) { return v.grid.lines.x; }),
                       group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());

@@ -59,18 +59,19 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         vkCmdFillBuffer(cmd, marks_.handle(), 0, markBytes(grid), 0);
         vkCmdFillBuffer(cmd, bins_.handle(), 0, bin_bytes, 0);
         gpu::transferToCompute(cmd);
-        bins_program_.bind(commands,
-                           {in.tick, gpu::storageBuffer(2, *in.particles), gpu::storageBuffer(3, members_),
-                            gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_)},
+        bins_program_.bind(commands, in.resources,
+                           {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Bins", bins_),
+                            gpu::storageBuffer("Marks", marks_)},
                            grid);
         vkCmdDispatch(cmd, words, 1, 1);
         gpu::computeToCompute(cmd);
     }
     const auto fill = [&](const gpu::ComputeProgram& program, glm::uvec3 size, const gpu::Buffer& into,
                           const gpu::Buffer& from) {
-        program.bind(commands,
-                     {in.tick, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, into),
-                      gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, marks_), gpu::storageBuffer(6, from)},
+        program.bind(commands, in.resources,
+                     {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Nodes", into),
+                      gpu::storageBuffer("Bins", bins_), gpu::storageBuffer("Marks", marks_),
+                      gpu::storageBuffer("CoarseNodes", from)},
                      grid);
         vkCmdDispatch(cmd, size.x, size.y, size.z * quantities);
         gpu::computeToCompute(cmd);

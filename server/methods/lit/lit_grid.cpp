@@ -96,13 +96,9 @@ void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const Medi
         gpu::MediumGrid medium;
     } push{shape_, nodes.grid()};
     gpu::everythingBefore(commands.handle()); // the eyes before have read it
-    program.bind(commands,
-                 {medium.tick, gpu::storageBuffer(3, light_.nodes), gpu::storageBuffer(4, light_.sun),
-                  gpu::storageBuffer(5, nodes.marks()), gpu::sampledImage(6, *tick.shadow_volume, *tick.linear),
-                  gpu::sampledImage(7, *tick.opaque_shadow, *tick.nearest), gpu::storageBuffer(8, *tick.local_lights),
-                  gpu::storageBuffer(9, *tick.light_bits), gpu::storageBuffer(10, *tick.light_depths),
-                  gpu::storageBuffer(11, *tick.objects), gpu::storageBuffer(12, *tick.object_nodes),
-                  gpu::storageBuffer(13, *tick.triangles), gpu::storageBuffer(14, *tick.mesh_nodes)},
+    program.bind(commands, medium.resources,
+                 {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
+                  gpu::storageBuffer("Marks", nodes.marks())},
                  push);
     vkCmdDispatch(commands.handle(), shape_.bricks.x, shape_.bricks.y, shape_.bricks.z);
     gpu::computeToCompute(commands.handle());

@@ -20,16 +20,10 @@ void LitRays::recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu
         glm::vec3 albedo;
     } push{froxels, nodes_.grid(), lit.shape, in.medium->extent->albedo};
     program(in.medium->extent->one_albedo)
-        .bind(commands,
-              {in.medium->tick, in.eye, gpu::storageBuffer(2, nodes_.nodes()), gpu::storageBuffer(3, volume()),
-               gpu::storageBuffer(4, furthest()), gpu::storageBuffer(5, nodes_.marks()),
-               gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
-               gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
-               gpu::storageBuffer(8, *shared.local_lights), gpu::storageBuffer(9, *shared.light_bits),
-               gpu::storageBuffer(10, *shared.light_depths), gpu::storageBuffer(11, *shared.objects),
-               gpu::storageBuffer(12, *shared.object_nodes), gpu::storageBuffer(13, *shared.triangles),
-               gpu::storageBuffer(14, *shared.mesh_nodes), gpu::storageBuffer(15, lit.light.nodes),
-               gpu::storageBuffer(16, lit.light.sun)},
+        .bind(commands, in.resources,
+              {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Volume", volume()),
+               gpu::storageBuffer("Furthest", furthest()), gpu::storageBuffer("Marks", nodes_.marks()),
+               gpu::storageBuffer("LitNodes", lit.light.nodes), gpu::storageBuffer("SunNodes", lit.light.sun)},
               push);
     vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
     gpu::computeToCompute(commands.handle());

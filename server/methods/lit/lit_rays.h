@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "server/gpu/program.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/lit/lit_grid.h"
 

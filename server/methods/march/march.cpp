@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/gpu/program.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/march/dither.h"
@@ -120,16 +121,10 @@ private:
             uint32_t samples, formula;
         } push{band, nodes_.grid(), in.medium->extent->albedo, settings.samples, settings.dither == kFormula};
         marching(jitterOf(settings), in.medium->extent->one_albedo)
-            .bind(commands,
-                  {in.medium->tick, in.eye, gpu::storageBuffer(2, nodes_.nodes()), gpu::storageBuffer(3, seen_),
-                   gpu::storageBuffer(4, ends_), gpu::storageBuffer(5, nodes_.marks()),
-                   gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
-                   gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
-                   gpu::storageBuffer(8, *shared.local_lights), gpu::storageBuffer(9, *shared.light_bits),
-                   gpu::storageBuffer(10, *shared.light_depths), gpu::storageBuffer(11, *shared.objects),
-                   gpu::storageBuffer(12, *shared.object_nodes), gpu::storageBuffer(13, *shared.triangles),
-                   gpu::storageBuffer(14, *shared.mesh_nodes),
-                   gpu::sampledImage(15, in.target->view_depth, *shared.nearest), gpu::storageBuffer(16, pattern_)},
+            .bind(commands, in.resources,
+                  {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Seen", seen_),
+                   gpu::storageBuffer("Ends", ends_), gpu::storageBuffer("Marks", nodes_.marks()),
+                   gpu::storageBuffer("Pattern", pattern_)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(band.size.x, 8), gpu::groups(band.size.y, 8), 1);
         gpu::computeToCompute(commands.handle());
@@ -140,8 +135,8 @@ private:
         for (const bool down : {false, true}) {
             blurring(blur, down)
                 .bind(commands,
-                      {gpu::storageBuffer(2, ends_), gpu::storageBuffer(3, down ? blurred_ : seen_),
-                       gpu::storageBuffer(4, down ? seen_ : blurred_)},
+                      {gpu::storageBuffer("Ends", ends_), gpu::storageBuffer("From", down ? blurred_ : seen_),
+                       gpu::storageBuffer("To", down ? seen_ : blurred_)},
                       band);
             const uint32_t columns = down ? band.size.x : gpu::groups(band.size.x, kBlurRun);
             const uint32_t rows = down ? gpu::groups(band.size.y, kBlurRun) : band.size.y;
@@ -157,9 +152,7 @@ private:
             gpu::MarchBand band;
             glm::uvec2 rows;
         } push{band, rows};
-        resolve_.bind(commands,
-                      {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance), gpu::storageBuffer(3, seen_),
-                       gpu::storageBuffer(4, ends_), gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)},
+        resolve_.bind(commands, in.resources, {gpu::storageBuffer("Seen", seen_), gpu::storageBuffer("Ends", ends_)},
                       push);
         vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 16), gpu::groups(rows.y - rows.x, 4), 1);
         gpu::computeToCompute(commands.handle());

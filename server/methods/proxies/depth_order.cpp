@@ -16,10 +16,7 @@ constexpr float kDiagonal = 1.41421357f; // diagonal of a square of side 1
 
 // True: the order is of this eye and this picture alone. The head's other eye, and the finer picture after a coarse
 // one, see past other edges.
-bool isOwn(const EyeInputs& in) {
-    return in.step == 1 && in.eye.buffer.buffer == in.stereo_partner.buffer.buffer &&
-           in.eye.buffer.offset == in.stereo_partner.buffer.offset;
-}
+bool isOwn(const EyeInputs& in) { return in.step == 1 && !in.for_both_eyes; }
 
 } // namespace
 
@@ -59,17 +56,17 @@ void DepthOrder::record(gpu::Commands& commands, const EyeInputs& in, Support su
                support == Support::sprite
                    ? std::max(kDiagonal * in.shared->settings->sprites.size, 1.0f) * in.shared->tick->balls.radius
                    : 0};
-        const gpu::Buffer& depths = leaves_out ? furthest->buffer() : *in.medium->particles; // bound, but not read
+        const gpu::Resource depths = leaves_out ? storageBuffer("Furthest", furthest->buffer())
+                                                : in.resources.storage("Particles").as("Furthest"); // is not read
         (leaves_out ? cull_hidden_ : cull_)
-            .bind(commands,
-                  {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles), storageBuffer(3, keys_),
-                   storageBuffer(4, values_), storageBuffer(5, arguments_), in.stereo_partner,
-                   storageBuffer(7, depths)},
+            .bind(commands, in.resources,
+                  {storageBuffer("Keys", keys_), storageBuffer("Values", values_),
+                   storageBuffer("Arguments", arguments_), depths},
                   push);
         vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
         gpu::computeToCompute(cmd);
         const uint32_t drawn[] = {vertices, particles_per_group};
-        draw_arguments_.bind(commands, {storageBuffer(5, arguments_)}, drawn);
+        draw_arguments_.bind(commands, {storageBuffer("Arguments", arguments_)}, drawn);
         vkCmdDispatch(cmd, 1, 1, 1);
     }
     const gpu::Commands::Pass pass(commands, "sort", in.view);

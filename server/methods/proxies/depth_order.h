@@ -2,6 +2,7 @@
 // indirect arguments to draw what is left. Eyes use the same buffers one after the other.
 #pragma once
 
+#include "server/gpu/program.h"
 #include "server/inputs/eye_inputs.h"
 #include "server/methods/proxies/sort.h"
 

@@ -24,8 +24,7 @@ void FurthestDepths::prepare(std::span<const EyeInputs> eyes) {
 
 void FurthestDepths::record(gpu::Commands& commands, const EyeInputs& in) const {
     const VkExtent2D tiles = tilesOf(in);
-    program_.bind(commands, {in.eye, gpu::storageBuffer(7, buffer_),
-                             gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+    program_.bind(commands, in.resources, {gpu::storageBuffer("Furthest", buffer_)});
     vkCmdDispatch(commands.handle(), tiles.width, tiles.height, 1);
     gpu::computeToCompute(commands.handle());
 }

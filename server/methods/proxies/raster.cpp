@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/gpu/program.h"
 #include "server/methods/proxies/furthest_depths.h"
 
 namespace brume {
@@ -44,19 +45,11 @@ public:
 
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance});
-        const gpu::Buffer& any = *in.medium->particles; // bound, but not read
-        const gpu::Resource resources[] = {in.medium->tick,
-                                           in.eye,
-                                           gpu::storageBuffer(2, *in.medium->particles),
-                                           gpu::storageBuffer(4, order_.order()),
-                                           gpu::storageBuffer(5, order_.arguments()),
-                                           gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                                           gpu::sampledImage(7, *in.shared->opaque_shadow, *in.shared->nearest),
-                                           gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                                           gpu::storageBuffer(3, info_.maps ? *in.medium->light : any),
-                                           gpu::storageBuffer(9, info_.maps ? info_.maps : any)};
+        const gpu::Resource own[] = {
+            gpu::storageBuffer("Order", order_.order()), gpu::storageBuffer("Arguments", order_.arguments()),
+            info_.maps ? gpu::storageBuffer("Maps", info_.maps) : in.resources.storage("Particles").as("Maps")};
         const glm::vec2 push = info_.push ? info_.push(*in.shared) : glm::vec2(0);
-        programs_[furthest_ || in.near_plane_cuts].bind(commands, resources,
+        programs_[furthest_ || in.near_plane_cuts].bind(commands, in.resources, own,
                                                         std::as_bytes(std::span(&push, info_.push ? 1 : 0)));
         if (mesh_)
             device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1,

@@ -16,7 +16,7 @@ struct RasterInfo {
     uint32_t particles_per_group = 1;         // of the mesh stage
     std::vector<gpu::SpecConstant> constants; // beside those of the scene's features
     MethodNeeds needs;
-    gpu::Buffer maps;                                    // binding 9; with it binding 3 is MediumView::light
+    gpu::Buffer maps;                                    // Maps; with it ParticleLights is read
     glm::vec2 (*push)(const TickInputs& tick) = nullptr; // push constants of its shaders; null: they have none
 };
 

@@ -39,15 +39,16 @@ void RadixSort::record(gpu::Commands& commands, const gpu::Buffer& keys, const g
     for (push.shift = 0; push.shift < 32;
          push.shift += kDigitBits) { // an even number of passes: the result ends where it began
         gpu::computeToCompute(cmd);
-        histogram_.bind(commands, {storageBuffer(0, *from[0]), storageBuffer(2, counts_)}, push);
+        histogram_.bind(commands, {storageBuffer("Keys", *from[0]), storageBuffer("Histogram", counts_)}, push);
         vkCmdDispatch(cmd, blocks, 1, 1);
         gpu::computeToCompute(cmd);
-        scan_.bind(commands, {storageBuffer(2, counts_)}, kDigits * blocks);
+        scan_.bind(commands, {storageBuffer("Histogram", counts_)}, kDigits * blocks);
         vkCmdDispatch(cmd, 1, 1, 1);
         gpu::computeToCompute(cmd);
         scatter_.bind(commands,
-                      {storageBuffer(0, *from[0]), storageBuffer(1, *from[1]), storageBuffer(2, counts_),
-                       storageBuffer(3, *to[0]), storageBuffer(4, *to[1])},
+                      {storageBuffer("Keys", *from[0]), storageBuffer("Values", *from[1]),
+                       storageBuffer("Histogram", counts_), storageBuffer("KeysOut", *to[0]),
+                       storageBuffer("ValuesOut", *to[1])},
                       push);
         vkCmdDispatch(cmd, blocks, 1, 1);
         std::swap(from, to);

@@ -109,9 +109,12 @@ std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
     views_buffer_.flush();
     for (ViewGroup& group : groups_) {
         group.field = &field_;
-        group.block =
-            gpu::storageBuffer(1, views_buffer_, VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
-                               group.views.size_bytes());
+        group.block = gpu::storageBuffer("Views", views_buffer_,
+                                         VkDeviceSize(group.views.data() - views_.data()) * sizeof(gpu::View),
+                                         group.views.size_bytes());
+        group.resources = gpu::Resources(&group.any->resources);
+        group.resources.give(group.block);
+        group.resources.give(gpu::storageBuffer("Field", field_));
     }
     return groups_;
 }
@@ -132,7 +135,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     for (const EyeInputs& in : eyes) order_.push_back(&in);
     const auto kind = [&](const EyeInputs* in) {
         const uint32_t rate = gridOf(*in).rate;
-        return std::tuple(in->medium->particles, coloursOf(*in), rate, shadingStepOf(*in, rate));
+        return std::tuple(in->medium, coloursOf(*in), rate, shadingStepOf(*in, rate));
     };
     const bool alone = eyes.front().shared->uses_target;
     if (!alone)
@@ -214,7 +217,6 @@ void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
 
 void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "ray ends", group.view());
-    const EyeInputs& in = *group.any;
     program(ray_ends_comp, "ray_ends", variantOf(group.colours),
             {{gpu::kIdHasCasters, features_.casters},
              {gpu::kIdHasGlass, features_.glass},
@@ -225,9 +227,7 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient},
              {gpu::kIdMultipleColours, group.colours.multiple}})
-        .bind(commands,
-              {in.medium->tick, group.block, gpu::storageBuffer(2, field_), gpu::storageBuffer(5, *in.shared->objects),
-               gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest)});
+        .bind(commands, group.resources, {});
     vkCmdDispatch(commands.handle(), group.most([](const gpu::View& v) { return v.grid.lines.x; }),
                   group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
     gpu::computeToCompute(commands.handle());
@@ -243,7 +243,7 @@ void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
              {gpu::kIdSunColours, group.colours.sun},
              {gpu::kIdAmbientColours, group.colours.ambient},
              {gpu::kIdMultipleColours, group.colours.multiple}})
-        .bind(commands, {group.block, gpu::storageBuffer(2, field_)});
+        .bind(commands, group.resources, {});
     const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
     vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
     gpu::computeToCompute(commands.handle());

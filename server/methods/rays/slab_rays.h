@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "server/gpu/program.h"
 #include "server/methods/method.h"
 
 namespace brume {

@@ -1,6 +1,7 @@
 // Method `slabs`: each eye adds all particles to slabs of a coarse grid of rays; their order does not matter.
 // The medium's band limit says how coarse. Passes: ends of the rays at objects, bins, slabs, slab light,
 // spline of the rays.
+#include "server/gpu/program.h"
 #include "server/methods/rays/line_bins.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/slab_bins_comp.h"
@@ -41,8 +42,8 @@ private:
             gpu::everythingBefore(cmd);
             if (group.bins > 0) vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
             gpu::transferToCompute(cmd);
-            bins_program_.bind(commands, {in.medium->tick, group.block, gpu::storageBuffer(2, *in.medium->particles),
-                                          gpu::storageBuffer(3, members_), gpu::storageBuffer(4, bins_)});
+            bins_program_.bind(commands, group.resources,
+                               {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Bins", bins_)});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
@@ -60,9 +61,9 @@ private:
                      {gpu::kIdSunColours, group.colours.sun},
                      {gpu::kIdAmbientColours, group.colours.ambient},
                      {gpu::kIdMultipleColours, group.colours.multiple}})
-                .bind(commands,
-                      {in.medium->tick, group.block, gpu::storageBuffer(2, members_), gpu::storageBuffer(3, added_),
-                       gpu::storageBuffer(4, bins_), gpu::storageBuffer(5, field_)},
+                .bind(commands, group.resources,
+                      {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Added", added_),
+                       gpu::storageBuffer("Bins", bins_)},
                       push);
             vkCmdDispatch(cmd, columns, rows, push.sheets * push.quantities * group.count());
             gpu::computeToCompute(cmd);
@@ -79,11 +80,7 @@ private:
                      {gpu::kIdMultipleColours, group.colours.multiple},
                      {gpu::kIdScattering, group.colours.model},
                      {gpu::kIdHasLobe, features_.lobe}})
-                .bind(commands,
-                      {in.medium->tick, group.block, gpu::storageBuffer(2, added_), gpu::storageBuffer(3, field_),
-                       gpu::sampledImage(6, *in.shared->shadow_volume, *in.shared->linear),
-                       gpu::sampledImage(8, in.target->view_depth, *in.shared->nearest),
-                       gpu::sampledImage(9, *in.shared->fluence, *in.shared->linear)});
+                .bind(commands, group.resources, {gpu::storageBuffer("Added", added_)});
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }

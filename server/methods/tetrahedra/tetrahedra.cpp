@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include "server/gpu/program.h"
 #include "server/inputs/multiple_block.h"
 #include "server/light/tetrahedra_buffers.h"
 #include "server/methods/method.h"
@@ -36,14 +37,9 @@ public:
         } push{in.medium->extent->albedo, shared.tetrahedra->faceCount(),
                shared.tetrahedra->isHard() ? kAgreesHard : kAgreesSoft};
         program(in.medium->extent->one_albedo, scatteringOf(shared.tick->multiple))
-            .bind(commands,
-                  {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
-                   storageBuffer(3, shared.tetrahedra->cells), storageBuffer(4, shared.tetrahedra->faces),
-                   storageBuffer(5, shared.tetrahedra->nodes),
-                   gpu::sampledImage(6, *shared.shadow_volume, *shared.linear),
-                   gpu::sampledImage(7, *shared.opaque_shadow, *shared.nearest),
-                   gpu::sampledImage(8, in.target->view_depth, *shared.nearest),
-                   gpu::storageImage(9, in.target->radiance), gpu::sampledImage(10, *shared.fluence, *shared.linear)},
+            .bind(commands, in.resources,
+                  {storageBuffer("Cells", shared.tetrahedra->cells), storageBuffer("Faces", shared.tetrahedra->faces),
+                   storageBuffer("FaceNodes", shared.tetrahedra->nodes)},
                   push);
         vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
         gpu::computeToCompute(commands.handle());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "server/gpu/program.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
@@ -41,7 +42,8 @@ public:
         VkDeviceSize words = 1, capacity = 1; // of the longest list
         for (const EyeInputs& in : eyes) {
             words = std::max<VkDeviceSize>(words, gpu::groups(in.medium->count, 32));
-            capacity = std::max<VkDeviceSize>(capacity, in.medium->particles->size() / sizeof(gpu::Particle));
+            capacity = std::max<VkDeviceSize>(capacity,
+                                              in.resources.storage("Particles").buffer.range / sizeof(gpu::Particle));
         }
         const auto most = [&] { // bytes of masks
             uint32_t blocks = 1;
@@ -66,28 +68,21 @@ public:
             {gpu::groups(in.size.width, block_.width), gpu::groups(in.size.height, block_.height)},
             {block_.width, block_.height},
             in.shared->settings->tiles.least_transmittance};
-        const gpu::Resource arguments = storageBuffer(5, order_.arguments()), cones = storageBuffer(7, cones_),
-                            splats = storageBuffer(8, splats_), masks = storageBuffer(9, masks_);
-        const gpu::Buffer& light = cached_ ? *in.medium->light : *in.medium->particles; // bound, but not read
+        const gpu::Resource arguments = storageBuffer("Arguments", order_.arguments()),
+                            cones = storageBuffer("Cones", cones_), splats = storageBuffer("Splats", splats_),
+                            masks = storageBuffer("Masks", masks_);
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            project_.bind(commands,
-                          {in.medium->tick, in.eye, storageBuffer(2, *in.medium->particles),
-                           storageBuffer(4, order_.order()), arguments, storageBuffer(6, light), cones, splats});
+            project_.bind(commands, in.resources, {storageBuffer("Order", order_.order()), arguments, cones, splats});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
             gpu::computeToCompute(cmd);
-            bin_.bind(commands, {in.eye, arguments, cones, masks}, grid);
+            bin_.bind(commands, in.resources, {arguments, cones, masks}, grid);
             vkCmdDispatch(cmd, gpu::groups(grid.blocks.x * grid.blocks.y, 64), gpu::groups(in.medium->count, 32), 1);
             gpu::computeToCompute(cmd);
         }
         const gpu::Commands::Pass pass(commands, "medium", in.view);
         program(features_.opaque || in.near_plane_cuts, in.medium->extent->one_albedo)
-            .bind(commands,
-                  {in.medium->tick, in.eye, gpu::storageImage(2, in.target->radiance),
-                   gpu::sampledImage(3, *in.shared->shadow_volume, *in.shared->linear),
-                   gpu::sampledImage(4, *in.shared->opaque_shadow, *in.shared->nearest), arguments,
-                   gpu::sampledImage(6, in.target->view_depth, *in.shared->nearest), cones, splats, masks},
-                  grid);
+            .bind(commands, in.resources, {arguments, cones, splats, masks}, grid);
         vkCmdDispatch(cmd, gpu::groups(in.size.width, kTile.width), gpu::groups(in.size.height, kTile.height), 1);
         gpu::computeToCompute(cmd);
     }

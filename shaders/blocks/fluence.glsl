@@ -1,0 +1,5 @@
+// Light of the sun that has scattered more than once (server/light/propagation.h).
+#ifndef BRUME_BLOCK_FLUENCE
+#define BRUME_BLOCK_FLUENCE
+uniform sampler2DArray fluence;
+#endif
