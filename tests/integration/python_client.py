@@ -11,7 +11,7 @@ import time
 import unittest
 import unittest.mock
 
-from python_server import PATIENCE, Server, Serving, brume, numpy, package, program
+from python_server import COLD, PATIENCE, Server, Serving, brume, numpy, package, program
 
 
 class Package(unittest.TestCase):
@@ -317,10 +317,10 @@ class Alone(Serving):
         server = self.serve('--cloud-dir', folder.name + '/clouds')
         with brume.connect(server.url, size=(96, 64), timeout=PATIENCE) as view:
             self.assertIn('tubes', view.scenes)
-            before = view.frame()
+            before = view.frame(timeout=COLD)
             view.show_scene('tubes')
             self.assertEqual(view.scene, 'tubes')
-            self.assertNotEqual(view.frame().position, before.position)
+            self.assertNotEqual(view.frame(timeout=COLD).position, before.position)
             head = 'ply\nformat ascii 1.0\nelement vertex 2\n' + ''.join(
                 f'property float {name}\n' for name in ('x', 'y', 'z', 'scale', 'sigma_t')) + 'end_header\n'
             path = pathlib.Path(folder.name) / 'two.ply'
@@ -328,7 +328,7 @@ class Alone(Serving):
             view.show_cloud(path, 'two')
             self.assertEqual(view.scene, 'two')
             view.show_cloud((head + '2 0 0 4 30\n9 0 0 4 30\n').encode(), 'two')  # the same name, another camera
-            frame = view.frame()
+            frame = view.frame(timeout=COLD)
             state = view.state
             self.assertEqual(state.particles, 2)
             self.assertLess(state.box[0][0], 2)

@@ -22,6 +22,7 @@ sys.path.insert(0, package)
 import brume  # noqa: E402,F401
 
 PATIENCE = 30  # s
+COLD = 4 * PATIENCE  # s, where a new machine compiles a scene's shaders first
 
 
 class Server:
