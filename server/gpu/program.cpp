@@ -109,8 +109,8 @@ void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& words, s
     for (const auto& [kind, type] : kKinds) {
         need(spvc_resources_get_resource_list_for_type(resources, kind, &list, &count));
         for (size_t i = 0; i < count; ++i) {
-            const auto known = std::find_if(expected.begin(), expected.end(),
-                                            [&](const auto& e) { return e.type == type && e.name == list[i].name; });
+            const auto known = std::ranges::find_if(
+                expected, [&, of = type](const auto& e) { return e.type == of && e.name == list[i].name; });
             uint32_t at = 0;
             if (!spvc_compiler_get_binary_offset_for_decoration(compiler, list[i].id, SpvDecorationBinding, &at))
                 throw Error(std::string(shader.name) + ": '" + list[i].name + "' has no binding to be set");

@@ -32,7 +32,8 @@ protected:
         const ObjectBuffers objects(device(), scene);
         const MeshBuffers meshes(device(), scene.triangles);
         const gpu::Tick tick = tickOf(scene, particles);
-        const gpu::Buffer uniforms(device(), 768 + 256, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload, "uniforms");
+        const gpu::Buffer uniforms(device(), 768 + 256, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, gpu::Memory::upload,
+                                   "uniforms");
         uniforms.mapped<gpu::Tick>(1)[0] = tick;
         gpu::Eye& eye = uniforms.mapped<gpu::Eye>(1, 768)[0];
         eye = {};
