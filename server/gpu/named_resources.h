@@ -1,5 +1,5 @@
-// Resources: what passes give to shaders, by the names under which shaders declare it. Nothing has a number: a program
-// looks up what its shaders read (program.h).
+// Resources: buffers and images that passes give to shaders, by the names under which shaders declare them. They have
+// no numbers: a program looks up what its shaders read (program.h).
 #pragma once
 
 #include <string_view>
@@ -10,12 +10,12 @@
 namespace brume::gpu {
 
 struct Resource {
-    std::string_view name; // of a buffer's block, or of an image's variable; a literal
+    std::string_view name; // name of a buffer's block, or of an image's variable; a literal
     VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     VkDescriptorBufferInfo buffer{};
     VkDescriptorImageInfo image{};
 
-    // The same under another name: for shaders that are bound to it and do not read it, too.
+    // The same buffer or image under another name. It also stands in for what a shader declares and never reads.
     Resource as(std::string_view other) const { return {other, type, buffer, image}; }
 };
 Resource storageBuffer(std::string_view name, const Buffer& buffer, VkDeviceSize offset = 0,
@@ -24,14 +24,14 @@ Resource uniformBuffer(std::string_view name, const Buffer& buffer, VkDeviceSize
 Resource storageImage(std::string_view name, const Image& image);
 Resource sampledImage(std::string_view name, const Image& image, const Sampler& sampler);
 
-// Resources that several passes read. They may lie within others, which count where these have none of a name.
+// Resources that several passes read. They may lie within others, which count where these have none of that name.
 class Resources {
 public:
     Resources() = default;
     // `outer` outlives these, and may change.
     explicit Resources(const Resources* outer) : outer_(outer) {}
 
-    // In place of the one with this name and type, if there is one.
+    // Adds a resource, in place of the one with this name and type, if there is one.
     void give(const Resource& one);
     // Null: nobody has given it.
     const Resource* find(std::string_view name, VkDescriptorType type) const;

@@ -16,7 +16,7 @@ namespace brume::gpu {
 
 // A pipeline with its layout, and the resources that its shaders read.
 struct Pipeline {
-    struct Expected { // at the binding that is its index
+    struct Expected { // a resource; its binding is its index in `expected`
         VkDescriptorType type;
         std::string name;
     };
@@ -36,7 +36,7 @@ struct Pipeline {
     VkShaderStageFlags stages = 0;
     uint32_t push_bytes = 0;
     std::vector<Expected> expected;
-    std::vector<std::vector<uint32_t>> code; // of each shader, with those bindings; empty once it is compiled
+    std::vector<std::vector<uint32_t>> code; // words of each shader, with those bindings; empty once compiled
 
 private:
     // Adds what the shader reads, and writes the bindings of that into its words.

@@ -33,7 +33,7 @@ ShadowSlots shadowSlots(const gpu::Tick& tick, std::span<const gpu::LocalLight> 
 gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::vec3 lo, glm::vec3 hi, uint32_t slots);
 
 struct ShadowGridInputs {
-    const gpu::Resources& resources;         // of the tick
+    const gpu::Resources& resources;         // TickBlock, Objects and what else is shared
     const gpu::Tick& tick;                   // its block, on the CPU
     const TickInputs& shared;                // objects, trees and settings
     std::span<const gpu::LocalLight> lights; // all of the tick

@@ -12,8 +12,8 @@ class MeshShadow {
 public:
     explicit MeshShadow(const gpu::Device& device);
 
-    // Records the map unless light and size are those of the last time; meshes do not move. Without any it is an image
-    // of one texel that nobody reads. `shared`: TickBlock and Triangles. As ShadowVolume::record otherwise.
+    // Records the map unless light and size are those of the last time; meshes do not move. Without any the map is an
+    // image of one texel that nobody reads. `shared`: TickBlock and Triangles. As ShadowVolume::record otherwise.
     void record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
 
     const gpu::Image& heights() const { return heights_; }

@@ -99,8 +99,9 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const bool many = isMany();
     if (many && objects_.bodies() > 0) recordBins(commands, in);
     const gpu::Commands::Pass pass(commands, "opaque", in.view);
-    const gpu::Resource own[] = {gpu::storageBuffer("ObjectBins", bins_), orderOf(in),
-                                 gpu::storageBuffer("Particles", *in.shared->particles)}; // of balls: all of them
+    const gpu::Resource own[] = {
+        gpu::storageBuffer("ObjectBins", bins_), orderOf(in),
+        gpu::storageBuffer("Particles", *in.shared->particles)}; // all particles, also for eyes with fewer
     ObjectCounts compiled = objects_;
     if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
     const Programs& programs = programsFor(

@@ -228,13 +228,12 @@ void Renderer::recordLight(Submission& s) {
         for (Propagation& hue : propagation_) hue.invalidate();
     }
     local_lights_.recordDepths(s.commands, all, light_blocks_);
-    for (const gpu::Resource& map : {
-             gpu::sampledImage("shadow_volume", shadow_volume_.image(), linear_),
-             gpu::sampledImage("fluence", shadow_volume_.image(), linear_), // until there is light that scatters on
-             gpu::sampledImage("opaque_shadow", opaque_shadow_.image(), nearest_),
-             gpu::sampledImage("mesh_heights", mesh_shadow_.heights(), nearest_),
-             gpu::storageBuffer("MeshPyramid", mesh_shadow_.pyramid()),
-         })
+    for (const gpu::Resource& map :
+         {gpu::sampledImage("shadow_volume", shadow_volume_.image(), linear_),
+          gpu::sampledImage("fluence", shadow_volume_.image(), linear_), // until there is light that scatters on
+          gpu::sampledImage("opaque_shadow", opaque_shadow_.image(), nearest_),
+          gpu::sampledImage("mesh_heights", mesh_shadow_.heights(), nearest_),
+          gpu::storageBuffer("MeshPyramid", mesh_shadow_.pyramid())})
         shared_.resources.give(map);
 }
 
@@ -285,21 +284,15 @@ void Renderer::gatherTick(const Submission& s) {
     const auto orObjects = [&](const gpu::Buffer& buffer) -> const gpu::Buffer& { // without balls it is not read
         return buffer ? buffer : objects_.objects();
     };
-    for (const gpu::Resource& one : {
-             gpu::storageBuffer("Objects", objects_.objects()),
-             gpu::storageBuffer("ObjectNodes", objects_.nodes()),
-             gpu::storageBuffer("Reflecting", objects_.reflecting()),
-             gpu::storageBuffer("Triangles", meshes_.triangles),
-             gpu::storageBuffer("MeshNodes", meshes_.nodes),
-             gpu::storageBuffer("LocalLights", s.local_lights_),
-             gpu::storageBuffer("LightBits", local_lights_.bits()),
-             gpu::storageBuffer("LightDepths", local_lights_.depths()),
-             gpu::storageBuffer("LitByLocalLights", local_lights_.lit()),
-             gpu::storageBuffer("Sunlit", shafts_.sunlit()),
-             gpu::storageBuffer("UnionBits", orObjects(union_path_.bins())),
-             gpu::storageBuffer("UnionLights", orObjects(union_path_.lights())),
-             gpu::storageBuffer("Planes", planes_),
-         })
+    for (const gpu::Resource& one :
+         {gpu::storageBuffer("Objects", objects_.objects()), gpu::storageBuffer("ObjectNodes", objects_.nodes()),
+          gpu::storageBuffer("Reflecting", objects_.reflecting()), gpu::storageBuffer("Triangles", meshes_.triangles),
+          gpu::storageBuffer("MeshNodes", meshes_.nodes), gpu::storageBuffer("LocalLights", s.local_lights_),
+          gpu::storageBuffer("LightBits", local_lights_.bits()),
+          gpu::storageBuffer("LightDepths", local_lights_.depths()),
+          gpu::storageBuffer("LitByLocalLights", local_lights_.lit()), gpu::storageBuffer("Sunlit", shafts_.sunlit()),
+          gpu::storageBuffer("UnionBits", orObjects(union_path_.bins())),
+          gpu::storageBuffer("UnionLights", orObjects(union_path_.lights())), gpu::storageBuffer("Planes", planes_)})
         shared_.resources.give(one);
 }
 

@@ -1,5 +1,5 @@
-// Shading of one particle's interval on a pixel's ray, shared by all raster methods. Include after
-// the eye.
+// Shading of one particle's interval on a pixel's ray, shared by all raster methods. Include after the
+// eye.
 #include "shaders/blocks/opaque_shadow.glsl"
 #include "shaders/blocks/shadow_volume.glsl"
 #include "shaders/blocks/tick.glsl"

@@ -19,4 +19,4 @@ layout(scalar) buffer Counts { uint counts[kLightCounts]; };
 
 layout(push_constant, scalar) uniform Push { LightSampling push; };
 
-Eye eye; // what is included names it; nothing here reads it
+Eye eye; // an eye that included functions name; no pass of this method calls them

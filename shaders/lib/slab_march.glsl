@@ -1,8 +1,8 @@
 // Integrates rays through their slabs from near to far and writes the result into `field` (shared/field.h). A
 // lane is a ray. Within a slab the particles' extinction varies linearly and light depth as a parabola (scatterVaried);
 // fog adds its own light (lib/fog_march.glsl). Shadows of opaque objects are left to the pixels, since they are not
-// band-limited. Include after lib/view.glsl,
-// `field`, lib/field_planes.glsl, and these functions:
+// band-limited. Include after lib/view.glsl, `field`,
+// lib/field_planes.glsl, and these functions:
 //   uvec2 startRay(uvec2 tile, uint ray, vec2 pixel): the ray's slabs s with .x <= s < .y, all that have medium and
 //     those beside them
 //   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order,

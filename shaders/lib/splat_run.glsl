@@ -1,4 +1,5 @@
-// Adds a splat to the pixels of one lane: kPixels neighbours in a row. Include after the eye, the scene's features (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
+// Adds a splat to the pixels of one lane: kPixels neighbours in a row. Include after the eye,
+// the scene's features (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/eye.glsl"

@@ -47,8 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"nam = \"x\"", 1, "nam", "unknown key",
               "box, camera, fog, glass, light, medium, mesh, name, objects, origin, plane, render, simulation, sky, "
               "sphere"},
-        Wrong{"[medium]\nlayout = \"cube\"\n\ncuont = 3", 4, "medium.cuont", "unknown key; did you mean count?",
-              "count"},
+        Wrong{"[medium]\nlayout = \"cube\"\n\ncuont=3", 4, "medium.cuont", "unknown key; did you mean count?", "count"},
         Wrong{"[[light]]\ncolour = [1, 1, 1]", 2, "light[0].colour", "unknown key", "irradiance"},
         Wrong{"[medium]\nlayout = \"emitter\"\ncount = 9000\n[medium.emitter]\nspeed = 3", 5, "medium.emitter.speed",
               "unknown key", "velocity"},

@@ -21,8 +21,8 @@ const pointOf = (text: string): Vec3 | undefined => {
   return parts.length === 3 && holds(x) && holds(y) && holds(z) ? [x, y, z] : undefined;
 };
 
-// The place that those texts name; each may be missing. What cannot be used is left out; for each of these a sentence of
-// `faults` says what is allowed.
+// The place that those texts name; each may be missing. What cannot be used is left out; for each of these a sentence
+// of `faults` says what is allowed.
 export function placeOf(get: (name: string) => string | null): { place: Place; faults: string[] } {
   const place: Place = {};
   const faults: string[] = [];

@@ -43,8 +43,8 @@ export function loadSettings(): Settings {
 const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
 
 // Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&box=1&size=1280x720
-// &quality=90&view=depth. What cannot be used is left as it was; for each of these a sentence is returned that says what
-// is allowed.
+// &quality=90&view=depth. What cannot be used is left as it was; for each of these a sentence is returned that says
+// what is allowed.
 export function followAddress(settings: Settings, address: string): string[] {
   const asked = new URLSearchParams(address);
   const faults: string[] = [];
