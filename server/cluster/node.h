@@ -72,6 +72,8 @@ private:
     void stand(const char* why);
     void needRejoin(const std::string& why, uint64_t last_tick = ~0ull);
     void rejoin(Time now);
+    template <class Asks>
+    auto askedAgain(const Asks& asks) const;
     Engine::LogInfo open(const std::string& about);
     SavedState load(uint64_t last_tick);
     void beginWith(SavedState state);

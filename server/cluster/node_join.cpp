@@ -18,6 +18,19 @@ constexpr milliseconds kWhole{4000}; // for a whole snapshot, besides twice the 
 
 } // namespace
 
+// What `asks` returns. It is called again when the engine does not answer, for as long as the options allow: NATS
+// servers that start together choose a leader first, and a store that is just being made does not answer yet.
+template <class Asks>
+auto Node::askedAgain(const Asks& asks) const {
+    for (const auto until = Clock::now() + options_.engine.timeout;; std::this_thread::sleep_for(kTryAgain)) {
+        try {
+            return asks();
+        } catch (const EngineAway&) {
+            if (Clock::now() >= until) throw;
+        }
+    }
+}
+
 Node::Node(const ClusterOptions& options, const Scene& scene, const std::string& scene_text,
            const std::vector<std::string>& overrides, uint64_t memory, Audience& audience)
     : options_(options), audience_(audience), engine_(options.engine, [this] { wake(); }), snapshots_(engine_),
@@ -44,7 +57,7 @@ Node::Node(const ClusterOptions& options, const Scene& scene, const std::string&
                                            "another --cluster-name",
                                            options.engine.log, other));
         created_ = found.created;
-        SavedState state = load(~0ull);
+        SavedState state = askedAgain([&] { return load(~0ull); });
         simulation.load(state.simulation); // here it fails before anybody is there
         beginWith(std::move(state));
         first_tick_ = judged_ = agreed_ = log_.tick();
@@ -60,16 +73,11 @@ Node::Node(const ClusterOptions& options, const Scene& scene, const std::string&
     }
 }
 
-// Tries for as long as the options allow: NATS servers that start together choose a leader first.
 Engine::LogInfo Node::open(const std::string& about) {
-    for (const auto until = Clock::now() + options_.engine.timeout;; std::this_thread::sleep_for(kTryAgain)) {
-        try {
-            if (options_.anew) engine_.forget();
-            return engine_.open(about);
-        } catch (const EngineAway&) {
-            if (Clock::now() >= until) throw;
-        }
-    }
+    return askedAgain([&] {
+        if (options_.anew) engine_.forget();
+        return engine_.open(about);
+    });
 }
 
 // The newest snapshot of a tick up to `last_tick`, or the scene's start where the log has all since then.

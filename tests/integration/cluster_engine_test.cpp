@@ -1,6 +1,7 @@
 // The engine of a cluster goes away, comes back, forgets: servers stand still, go on, load anew or end in one line.
 #include <barrier>
 #include <csignal>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -151,6 +152,34 @@ TEST_F(ClusterEngine, ItsCertificateAndAPasswordAreChecked) {
     const auto welcome = start("brume:pass-word@", trusting);
     EXPECT_TRUE(welcome->lineStarting("listening on")) << welcome->err();
     std::filesystem::remove_all(store);
+}
+
+// NATS does not answer who asks for what is just being made. Here a rule forbids the question until it has been
+// asked twice.
+TEST_F(ClusterEngine, WhoJoinsAsksAgainForASnapshotThatDoesNotCome) {
+    const std::string folder = nats.store().string() + "-asked", file = folder + ".conf";
+    const auto forbid = [&](const std::string& what) {
+        std::ofstream(file) << "jetstream { store_dir: '" << folder << "' }\n"
+                            << "authorization { users: [{ user: brume, password: word,\n"
+                            << "  permissions: { publish: { deny: [" << what << "] } } }] }\n";
+    };
+    forbid("'$JS.API.STREAM.MSG.GET.>', '$JS.API.DIRECT.GET.>'");
+    NatsServer strict({"-c", file});
+    const auto server = startServer({"--port", "0", "--scene", "cloud", "--log-level", "info", "--cluster",
+                                     "nats://brume:word@127.0.0.1:" + std::to_string(strict.port())});
+    const auto asked = [&] {
+        const std::string log = strict.process().out(), refused = "Publish Violation";
+        return log.find(refused, log.find(refused) + 1) != std::string::npos;
+    };
+    for (const auto deadline = std::chrono::steady_clock::now() + kPatience; !asked();) {
+        ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+        ASSERT_FALSE(server->exitCode(milliseconds(50))) << server->err();
+    }
+    forbid("");
+    strict.process().signal(SIGHUP);
+    EXPECT_TRUE(server->lineStarting("listening on")) << server->err();
+    std::filesystem::remove_all(folder);
+    std::filesystem::remove(file);
 }
 
 TEST_F(ClusterEngine, AnewTheLogBeginsAtTheScenesStart) {
