@@ -40,7 +40,7 @@ struct Pipeline {
 
 private:
     // Adds what the shader reads, and writes the bindings of that into its words.
-    void reflect(const ShaderCode& shader, std::vector<uint32_t>& words, std::vector<uint32_t>& constant_ids);
+    void reflect(const ShaderCode& shader, std::vector<uint32_t>& words);
     void createLayout();
     void destroy();
 };

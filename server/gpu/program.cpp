@@ -1,6 +1,7 @@
 #include "server/gpu/program.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <spirv_cross_c.h>
@@ -51,15 +52,14 @@ const char* typeName(VkDescriptorType type) {
 
 Pipeline::Pipeline(const Device& owner, std::span<const ShaderCode> shaders, std::span<const SpecConstant> constants)
     : device(owner), name(shaders.front().name), text(textOf(name, constants)) {
-    std::vector<uint32_t> known;
+    std::vector<uint32_t> ids;
     for (const ShaderCode& shader : shaders) {
         code.emplace_back(shader.words.begin(), shader.words.end());
-        reflect(shader, code.back(), known);
+        reflect(shader, code.back());
+        std::ranges::copy(constantIds(shader.words), std::back_inserter(ids));
     }
     for (const SpecConstant& c : constants)
-        if (std::find(known.begin(), known.end(), c.id) == known.end())
-            throw Error(name + ": no shader has a specialization constant with the id " + std::to_string(c.id) +
-                        " (shaders/shared/constants.h)");
+        if (std::ranges::find(ids, c.id) == ids.end()) throw unknownConstant(name, c.id);
     try { // a constructor that throws runs no destructor
         createLayout();
     } catch (...) {
@@ -76,7 +76,7 @@ void Pipeline::destroy() {
     vkDestroyDescriptorSetLayout(device.handle(), set_layout, nullptr);
 }
 
-void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& words, std::vector<uint32_t>& constant_ids) {
+void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& words) {
     stages |= shader.stage;
     spvc_context context = nullptr;
     if (spvc_context_create(&context) != SPVC_SUCCESS) throw Error("SPIRV-Cross cannot start");
@@ -127,9 +127,6 @@ void Pipeline::reflect(const ShaderCode& shader, std::vector<uint32_t>& words, s
             throw Error(std::string(shader.name) + ": stages disagree on the push constants");
         push_bytes = uint32_t(bytes);
     }
-    const spvc_specialization_constant* constants = nullptr;
-    need(spvc_compiler_get_specialization_constants(compiler, &constants, &count));
-    for (size_t i = 0; i < count; ++i) constant_ids.push_back(constants[i].constant_id);
     if (expected.size() > kMaxBindings) throw Error(std::string(shader.name) + ": too many bindings");
 }
 
@@ -302,8 +299,7 @@ std::shared_ptr<const Pipeline> compile(const Device& device, std::span<const Sh
 
 } // namespace
 
-ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader,
-                               std::initializer_list<SpecConstant> constants)
+ComputeProgram::ComputeProgram(const Device& device, const ShaderCode& shader, std::span<const SpecConstant> constants)
     : Program(cached(device, keyOf({&shader, 1}, constants), [&] { return compile(device, shader, constants); })) {}
 
 GraphicsProgram::GraphicsProgram(const Device& device, std::span<const ShaderCode> shaders, const GraphicsInfo& what,

@@ -67,7 +67,10 @@ private:
 class ComputeProgram : public Program {
 public:
     ComputeProgram() = default;
-    ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants = {});
+    // Throws Error if the shader lacks the id of one of `constants`.
+    ComputeProgram(const Device& device, const ShaderCode& shader, std::span<const SpecConstant> constants = {});
+    ComputeProgram(const Device& device, const ShaderCode& shader, std::initializer_list<SpecConstant> constants)
+        : ComputeProgram(device, shader, std::span(constants.begin(), constants.size())) {}
 };
 
 // How a draw changes a target's colour.

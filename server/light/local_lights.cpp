@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "server/inputs/constants.h"
 #include "server/medium/band_limit.h"
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
@@ -21,7 +22,12 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
 
 } // namespace
 
-LocalLights::LocalLights(const gpu::Device& device) : device_(device) { prepare({}, 0, 0); }
+LocalLights::LocalLights(const gpu::Device& device)
+    : device_(device), depths_program_(device, local_light_depth_comp, "local_light_depth"),
+      bins_program_(device, local_light_bins_comp, "local_light_bins"),
+      program_(device, local_light_comp, "local_light") {
+    prepare({}, 0, 0);
+}
 
 void LocalLights::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
     buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -54,44 +60,25 @@ void LocalLights::recordDepths(gpu::Commands& commands, const MediumView& medium
     last_medium_ = medium.version;
     last_lights_.assign(lights.begin(), lights.end());
     const gpu::Commands::Pass pass(commands, "local light depth");
-    if (!depths_program_)
-        depths_program_ = gpu::ComputeProgram(
-            device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_depth_comp, "local_light_depth"}, {});
     gpu::everythingBefore(commands.handle());
-    depths_program_.bind(commands, medium.resources, {gpu::storageBuffer("LightDepths", depths_)});
+    depths_program_.with().bind(commands, medium.resources, {gpu::storageBuffer("LightDepths", depths_)});
     vkCmdDispatch(commands.handle(), gpu::kMostLightSide / 8, gpu::kMostLightSide / 8, uint32_t(lights.size()));
     gpu::everythingBefore(commands.handle());
 }
 
 void LocalLights::recordBins(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "local light bins", in.view);
-    if (!bins_program_)
-        bins_program_ =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_bins_comp, "local_light_bins"}, {});
     gpu::everythingBefore(commands.handle()); // the eye before has read its own
-    bins_program_.bind(commands, in.resources, {gpu::storageBuffer("LightBits", bits_)});
+    bins_program_.with().bind(commands, in.resources, {gpu::storageBuffer("LightBits", bits_)});
     vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
     gpu::everythingBefore(commands.handle());
 }
 
 void LocalLights::record(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
-    const SceneFeatures& features = in.shared->features;
     const gpu::Commands::Pass pass(commands, "local light", group.view());
     const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
-    gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, local_light_comp, "local_light"},
-                                      {{gpu::kIdHasOpaque, features.opaque},
-                                       {gpu::kIdHasFog, features.fog},
-                                       {gpu::kIdHasGlow, features.glow},
-                                       {gpu::kIdHasLocalLights, true},
-                                       {gpu::kIdHasMeshes, features.meshes},
-                                       {gpu::kIdRate, group.rate},
-                                       {gpu::kIdStep, step},
-                                       {gpu::kIdSunColours, group.colours.sun},
-                                       {gpu::kIdAmbientColours, group.colours.ambient},
-                                       {gpu::kIdMultipleColours, group.colours.multiple}});
+    const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands, group.resources, {group.blockOf(i), gpu::storageBuffer("LitByLocalLights", lit_)});

@@ -2,13 +2,11 @@
 // surfaces' shading reads as well; then, with the medium's field, the light that it scatters toward the eye.
 #pragma once
 
-#include <map>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "server/gpu/binding_sizes.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -47,8 +45,7 @@ private:
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
 
     const gpu::Device& device_;
-    gpu::ComputeProgram bins_program_, depths_program_;
-    std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram> programs_;
+    gpu::Variants depths_program_, bins_program_, program_;
     gpu::Buffer bits_, depths_, lit_;
     std::vector<gpu::LocalLight> last_lights_; // the lights that depths_ belong to
     uint64_t last_medium_ = 0;                 // MediumView::version of the particles in depths_

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "server/inputs/constants.h"
 #include "server/inputs/multiple_block.h"
 #include "server/light/flux_sizes.h"
 #include "shaders/flux_cells_comp.h"
@@ -39,6 +40,12 @@ gpu::Tick unlit(gpu::Tick tick) {
 
 } // namespace
 
+Propagation::Propagation(const gpu::Device& device)
+    : device_(device), first_(device, flux_cells_comp, "flux_cells"),
+      coarser_(device, flux_coarser_comp, "flux_coarser"), finer_(device, flux_finer_comp, "flux_finer"),
+      pass_(device, flux_pass_comp, "flux_pass"), of_surfaces_(device, flux_surfaces_comp, "flux_surfaces"),
+      lit_(device, flux_lit_comp, "flux_lit") {}
+
 void Propagation::fit(gpu::Commands& commands, uint32_t side, uint32_t layers) {
     if (image_ && image_.extent().width == side && image_.layers() == layers) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -52,27 +59,6 @@ bool Propagation::Key::operator==(const Key& other) const {
            hue_parts == other.hue_parts;
 }
 
-const Propagation::Programs& Propagation::programsFor(const SceneFeatures& features, bool surfaces) {
-    const auto program = [&](std::span<const uint32_t> code, const char* name,
-                             std::initializer_list<gpu::SpecConstant> constants = {}) {
-        return gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name}, constants);
-    };
-    if (!pass_) {
-        coarser_ = program(flux_coarser_comp, "flux_coarser");
-        finer_ = program(flux_finer_comp, "flux_finer");
-        pass_ = program(flux_pass_comp, "flux_pass");
-    }
-    Programs& programs = programs_[features.casters][features.fog];
-    const std::initializer_list<gpu::SpecConstant> constants{
-        {gpu::kIdHasCasters, features.casters}, {gpu::kIdHasMeshes, features.meshes}, {gpu::kIdHasFog, features.fog}};
-    if (!programs.first) programs.first = program(flux_cells_comp, "flux_cells", constants);
-    if (surfaces && !programs.surfaces) {
-        programs.surfaces = program(flux_surfaces_comp, "flux_surfaces", constants);
-        lit_ = program(flux_lit_comp, "flux_lit");
-    }
-    return programs;
-}
-
 void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all) {
     const gpu::Multiple& multiple = tick.tick->multiple;
     const PropagationSettings& settings = tick.settings->propagation;
@@ -80,7 +66,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     if (valid_ && key == key_) return;
     key_ = key, valid_ = true;
     const bool surfaces = reflects(settings) && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
-    const Programs& programs = programsFor(tick.features, surfaces);
+    const gpu::Constants constants = constantsOf(tick.features);
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
@@ -104,18 +90,18 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     resources.give(storageBuffer("FluxesBlock", fluxes_));
     resources.give(storageBuffer("Fluence", fluence_));
     if (surfaces) resources.give(storageBuffer("Surfaces", surfaces_));
-    const auto run = [&](const gpu::ComputeProgram& program, const Push& push, uint32_t lanes) {
-        program.bind(commands, resources, {}, push);
+    const auto run = [&](gpu::Variants& program, const Push& push, uint32_t lanes) {
+        program.with(constants).bind(commands, resources, {}, push);
         vkCmdDispatch(cmd, gpu::groups(lanes, kLanes), 1, 1);
         gpu::computeToCompute(cmd);
     };
     Push push{side, 0, count, channels, 0, 1, 0, tick.reflecting_count, surfaces ? settings.surface_parts : 0};
-    run(programs.first, push, cellsOf(side));
+    run(first_, push, cellsOf(side));
     const auto next = [&] { push.first += cellsOf(push.side), push.side /= 2; };
     if (surfaces) {
         next();
         run(coarser_, push, cellsOf(push.side));
-        run(programs.surfaces, push, cellsOf(push.side));
+        run(of_surfaces_, push, cellsOf(push.side));
         push.side = side, push.first = 0;
         run(lit_, push, cellsOf(side));
     }
@@ -123,6 +109,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
         next();
         run(coarser_, push, cellsOf(push.side));
     }
+    const gpu::Program& pass = pass_.with(constants);
     for (uint32_t level = gpu::kFluxLevels; level-- > 0;) {
         if (level + 1 < gpu::kFluxLevels) {
             push.side *= 2, push.first -= cellsOf(push.side);
@@ -134,7 +121,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
         for (uint32_t i = 0; i < half_steps; i += push.half_steps) {
             push.parity = i & 1;
             push.last = level == 0 && i + 2 >= half_steps;
-            pass_.bind(commands, resources, {}, push);
+            pass.bind(commands, resources, {}, push);
             vkCmdDispatch(cmd, few ? 1 : gpu::groups(cellsOf(push.side) / 2, kPassLanes), 1, 1);
             gpu::computeToCompute(cmd);
         }

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/medium_view.h"
 #include "server/inputs/tick_inputs.h"
 
@@ -13,7 +13,7 @@ namespace brume {
 
 class Propagation {
 public:
-    explicit Propagation(const gpu::Device& device) : device_(device) {}
+    explicit Propagation(const gpu::Device& device);
 
     // Records the fluence of the medium whose depths are in shadow_volume, with the extinction of the TickBlock of
     // `all`, unless the image holds it already: the hue, objects and settings are compared here. Precondition:
@@ -29,14 +29,7 @@ private:
     void fit(gpu::Commands& commands, uint32_t side, uint32_t layers);
 
     const gpu::Device& device_;
-    // Programs that differ with casters and fog.
-    struct Programs {
-        gpu::ComputeProgram first, surfaces;
-    };
-    const Programs& programsFor(const SceneFeatures& features, bool surfaces);
-
-    gpu::ComputeProgram coarser_, finer_, lit_, pass_;
-    Programs programs_[2][2]; // [casters][fog]
+    gpu::Variants first_, coarser_, finer_, pass_, of_surfaces_, lit_;
     gpu::Buffer cells_, fluxes_, fluence_, surfaces_;
     gpu::Image image_;
     // What the image depends on besides the depths.

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/inputs/constants.h"
 #include "shaders/shadow_frustum_comp.h"
 
 namespace brume {
@@ -13,6 +14,9 @@ namespace {
 constexpr uint32_t kMostOfEye = (2 << 20) / sizeof(uint32_t), kMostOfAll = gpu::kLargestBinding / sizeof(uint32_t);
 
 } // namespace
+
+ShadowFrusta::ShadowFrusta(const gpu::Device& device)
+    : device_(device), rays_(device, 1, "frustum rays"), program_(device, shadow_frustum_comp, "shadow_frustum") {}
 
 void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resources& tick_resources, const TickInputs& shared,
                           const ShadowGrid& grid, std::span<const gpu::Eye> eyes,
@@ -42,11 +46,6 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resources& tick_re
     frusta_.atLeast(device_, bytes, kWritten, gpu::Memory::device, "shadow frusta");
     froxels_.atLeast(device_, std::max<VkDeviceSize>(words * sizeof(uint32_t), 256),
                      kWritten | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device, "shadow froxels");
-    const bool meshes = shared.features.meshes;
-    gpu::ComputeProgram& program = programs_[meshes];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_frustum_comp, "shadow_frustum"},
-                                      {{gpu::kIdHasMeshes, meshes}});
     const VkCommandBuffer cmd = commands.handle();
     rays_.begin(commands);
     gpu::everythingBefore(cmd);                                    // readers of the call before
@@ -56,10 +55,11 @@ void ShadowFrusta::record(gpu::Commands& commands, const gpu::Resources& tick_re
                           std::min(kAtOnce, made_.size() - at) * sizeof(gpu::ShadowFrustum), &made_[at]);
     gpu::everythingBefore(cmd);
     if (most > 0) {
-        program.bind(commands, tick_resources,
-                     {gpu::uniformBuffer("GridBlock", grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
-                      gpu::storageBuffer("Frusta", frusta_), gpu::storageBuffer("Froxels", froxels_),
-                      gpu::storageBuffer("Rays", rays_.buffer())});
+        program_.with(constantsOf(shared.features))
+            .bind(commands, tick_resources,
+                  {gpu::uniformBuffer("GridBlock", grid.block(), 0, sizeof(gpu::ShadowGridBlock)),
+                   gpu::storageBuffer("Frusta", frusta_), gpu::storageBuffer("Froxels", froxels_),
+                   gpu::storageBuffer("Rays", rays_.buffer())});
         vkCmdDispatch(cmd, gpu::groups(most, 64), 1, uint32_t(made_.size()));
     }
     rays_.end(commands);

@@ -1,12 +1,11 @@
 // ShadowFrusta: which of the shadow grid's lights reach coarse froxels before each eye past opaque objects.
 #pragma once
 
-#include <map>
 #include <span>
 #include <vector>
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/tick_inputs.h"
 #include "server/light/shadow_grid.h"
 #include "shaders/shared/shadow_frustum.h"
@@ -24,7 +23,7 @@ public:
     // Width of a froxel, in pixels. docs/results/seed-002.md measures this one.
     static constexpr uint32_t kPixels = 16;
 
-    explicit ShadowFrusta(const gpu::Device& device) : device_(device), rays_(device, 1, "frustum rays") {}
+    explicit ShadowFrusta(const gpu::Device& device);
 
     // Makes the froxels of all eyes, by one ray to each light, unless eyes, lights and objects are those of the last
     // call. 2 MiB for an eye at most, 96 MiB for all. Eyes that need more get fewer slices. Slices of each eye:
@@ -43,10 +42,10 @@ public:
 
 private:
     const gpu::Device& device_;
-    std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
     gpu::Buffer frusta_, froxels_;
     uint64_t count_ = 0;
     gpu::Counts rays_;
+    gpu::Variants program_;
     // What the froxels are made of, and what they shall be made of.
     std::vector<gpu::ShadowFrustum> made_, wanted_;
     uint64_t grid_ = 0;

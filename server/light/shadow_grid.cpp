@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/inputs/constants.h"
 #include "shaders/shadow_grid_comp.h"
 
 namespace brume {
@@ -97,7 +98,8 @@ gpu::ShadowGridBlock shadowGridShape(const ShadowGridSettings& settings, glm::ve
     return shape;
 }
 
-ShadowGrid::ShadowGrid(const gpu::Device& device) : device_(device), rays_(device, 1, "shadow rays") {
+ShadowGrid::ShadowGrid(const gpu::Device& device)
+    : device_(device), rays_(device, 1, "shadow rays"), program_(device, shadow_grid_comp, "shadow_grid") {
     constexpr VkBufferUsageFlags kBlock = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     block_ = gpu::Buffer(device, sizeof(gpu::ShadowGridBlock), kBlock, gpu::Memory::device, "shadow grid");
     eyes_ = gpu::Buffer(device, gpu::kMostShadowEyes * sizeof(gpu::ShadowEye), kWritten, gpu::Memory::device,
@@ -162,17 +164,13 @@ void ShadowGrid::record(gpu::Commands& commands, const ShadowGridInputs& in) {
     if (!seen_by_.empty())
         vkCmdUpdateBuffer(cmd, eyes_.handle(), 0, seen_by_.size() * sizeof(gpu::ShadowEye), seen_by_.data());
     gpu::everythingBefore(cmd);
-    const bool meshes = in.shared.features.meshes;
-    gpu::ComputeProgram& program = programs_[meshes];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_grid_comp, "shadow_grid"},
-                                      {{gpu::kIdHasMeshes, meshes}});
     if (!slots.lights.empty() && !in.eyes.empty()) {
-        program.bind(commands, in.resources,
-                     {gpu::uniformBuffer("GridBlock", block_, 0, sizeof shape), gpu::storageBuffer("Voxels", voxels_),
-                      gpu::storageBuffer("States", states_), gpu::storageBuffer("Masks", masks_),
-                      gpu::storageBuffer("Eyes", eyes_), gpu::storageBuffer("Counter", rays_.buffer())},
-                     gpu::ShadowGridPush{version_, settings.parity ? layer_ : 2u, uint32_t(in.eyes.size())});
+        program_.with(constantsOf(in.shared.features))
+            .bind(commands, in.resources,
+                  {gpu::uniformBuffer("GridBlock", block_, 0, sizeof shape), gpu::storageBuffer("Voxels", voxels_),
+                   gpu::storageBuffer("States", states_), gpu::storageBuffer("Masks", masks_),
+                   gpu::storageBuffer("Eyes", eyes_), gpu::storageBuffer("Counter", rays_.buffer())},
+                  gpu::ShadowGridPush{version_, settings.parity ? layer_ : 2u, uint32_t(in.eyes.size())});
         vkCmdDispatch(cmd, shape.bricks.x, shape.bricks.y, shape.bricks.z);
         layer_ ^= 1u;
     }

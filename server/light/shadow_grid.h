@@ -3,12 +3,11 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <span>
 #include <vector>
 
 #include "server/gpu/counts.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/tick_inputs.h"
 #include "shaders/shared/shadow_grid.h"
 #include "shaders/shared/types.h"
@@ -66,9 +65,9 @@ private:
     bool fits(const ShadowGridInputs& in, const gpu::ShadowGridBlock& shape, const ShadowSlots& slots) const;
 
     const gpu::Device& device_;
-    std::map<bool, gpu::ComputeProgram> programs_; // with meshes and without
     gpu::Buffer block_, voxels_, states_, masks_, eyes_, slots_of_lights_;
     gpu::Counts rays_;
+    gpu::Variants program_;
     gpu::ShadowGridBlock shape_{};
     ShadowSlots slots_;
     std::vector<uint32_t> slot_of_light_; // slot of each light, or kNoShadowSlot

@@ -43,7 +43,8 @@ ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape s
       particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
                  {{gpu::kIdShadowLanes, shape.lanes}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}) {
+              {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}),
+      tetrahedra_(device, tetrahedra_shadow_comp, "tetrahedra_shadow") {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
 }
@@ -122,15 +123,12 @@ void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resources
 
 void ShadowVolume::recordTetrahedra(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
                                     const TetrahedraBuffers& tetrahedra) {
-    if (!tetrahedra_)
-        tetrahedra_ =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tetrahedra_shadow_comp, "tetrahedra_shadow"});
     inBands(commands.handle(), tick, [&](uint32_t first, uint32_t rows) {
         const gpu::TetrahedraBand band{first * kRows, rows * kRows, image_.layers(), tetrahedra.faceCount()};
-        tetrahedra_.bind(commands, shared,
-                         {storageBuffer("Cells", tetrahedra.cells), storageBuffer("Faces", tetrahedra.faces),
-                          storageBuffer("Texels", texels_), storageBuffer("FaceNodes", tetrahedra.nodes)},
-                         band);
+        tetrahedra_.with().bind(commands, shared,
+                                {storageBuffer("Cells", tetrahedra.cells), storageBuffer("Faces", tetrahedra.faces),
+                                 storageBuffer("Texels", texels_), storageBuffer("FaceNodes", tetrahedra.nodes)},
+                                band);
         vkCmdDispatch(commands.handle(), gpu::groups(tick.map.texels.x, 8), rows, 1);
     });
 }

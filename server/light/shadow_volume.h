@@ -5,7 +5,7 @@
 #pragma once
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/light/tetrahedra_buffers.h"
 #include "shaders/shared/types.h"
 
@@ -46,7 +46,7 @@ private:
     const gpu::Device& device_;
     const Shape shape_;
     gpu::ComputeProgram particles_, volume_;
-    gpu::ComputeProgram tetrahedra_; // made when it is first needed
+    gpu::Variants tetrahedra_;
     gpu::Buffer light_particles_, bits_, texels_;
     gpu::Image image_;
     gpu::Tick last_{};

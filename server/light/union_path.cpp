@@ -18,6 +18,10 @@ constexpr VkDeviceSize kBlockBytes = (sizeof(gpu::Tick) + kAligned - 1) / kAlign
 
 } // namespace
 
+UnionPath::UnionPath(const gpu::Device& device)
+    : device_(device), bins_program_(device, union_bins_comp, "union_bins"),
+      path_program_(device, union_path_comp, "union_path") {}
+
 bool UnionPath::Key::operator==(const Key& o) const {
     return balls.radius == o.balls.radius && balls.sigma_t == o.balls.sigma_t && balls.cutoff == o.balls.cutoff &&
            objects == o.objects && groups == o.groups;
@@ -29,10 +33,6 @@ void UnionPath::prepare(const Simulation& simulation, const SceneNow& now, const
     if (double(count_) > limits::kUnionCount.hi)
         throw gpu::Error("the union of balls: " + std::to_string(count_) + " particles, up to " +
                          std::to_string(int(limits::kUnionCount.hi)) + " are possible");
-    if (!bins_program_) {
-        bins_program_ = {device_, {VK_SHADER_STAGE_COMPUTE_BIT, union_bins_comp, "union_bins"}};
-        path_program_ = {device_, {VK_SHADER_STAGE_COMPUTE_BIT, union_path_comp, "union_path"}};
-    }
     const gpu::UnionBalls& balls = tick.balls;
     bits_.atLeast(device_, std::max(balls.side * balls.side * balls.words, 1u) * sizeof(uint32_t),
                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
@@ -107,15 +107,15 @@ void UnionPath::recordBins(gpu::Commands& commands, const gpu::Resources& tick) 
     gpu::everythingBefore(cmd); // the group before has read them
     vkCmdFillBuffer(cmd, bits_.handle(), 0, VK_WHOLE_SIZE, 0);
     gpu::transferToCompute(cmd);
-    bins_program_.bind(commands, tick, {gpu::storageBuffer("UnionBits", bits_)});
+    bins_program_.with().bind(commands, tick, {gpu::storageBuffer("UnionBits", bits_)});
     vkCmdDispatch(cmd, gpu::groups(count_, 64), 1, 1);
     gpu::computeToCompute(cmd);
 }
 
 void UnionPath::recordGroup(gpu::Commands& commands, const gpu::Resources& tick, uint32_t group) {
     const uint32_t push[] = {group, key_.groups};
-    path_program_.bind(commands, tick,
-                       {gpu::storageBuffer("ParticleLights", lights_), gpu::storageBuffer("UnionBits", bits_)}, push);
+    path_program_.with().bind(
+        commands, tick, {gpu::storageBuffer("ParticleLights", lights_), gpu::storageBuffer("UnionBits", bits_)}, push);
     vkCmdDispatch(commands.handle(), gpu::groups(gpu::groups(count_, key_.groups), 64), 1, 1);
     gpu::computeToCompute(commands.handle());
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/medium_view.h"
 #include "server/sim/simulation.h"
 #include "shaders/shared/types.h"
@@ -16,7 +16,7 @@ namespace brume {
 
 class UnionPath {
 public:
-    explicit UnionPath(const gpu::Device& device) : device_(device) {}
+    explicit UnionPath(const gpu::Device& device);
 
     // Makes room, and chooses the particles whose light is computed. With PathSettings::groups G, a particle's value is
     // that of the last tick whose number and the particle's leave the same rest by G. So it depends on the tick alone,
@@ -58,7 +58,7 @@ private:
     void recordGroup(gpu::Commands& commands, const gpu::Resources& tick, uint32_t group);
 
     const gpu::Device& device_;
-    gpu::ComputeProgram bins_program_, path_program_; // made when they are first needed
+    gpu::Variants bins_program_, path_program_;
     gpu::Buffer bits_, lights_;
     gpu::Buffer blocks_, particles_; // gpu::Tick of past ticks, and their particles
     Key key_;

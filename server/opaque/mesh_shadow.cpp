@@ -8,7 +8,13 @@
 
 namespace brume {
 
-MeshShadow::MeshShadow(const gpu::Device& device) : device_(device), nearest_(device, VK_FILTER_NEAREST) {}
+MeshShadow::MeshShadow(const gpu::Device& device)
+    : device_(device), nearest_(device, VK_FILTER_NEAREST),
+      heights_program_(device,
+                       {{VK_SHADER_STAGE_VERTEX_BIT, mesh_shadow_vert, "mesh_shadow"},
+                        {VK_SHADER_STAGE_FRAGMENT_BIT, mesh_shadow_frag, "mesh_shadow"}},
+                       {.formats = {VK_FORMAT_R32_SFLOAT}, .blend = gpu::Blend::largest}),
+      pyramid_program_(device, mesh_pyramid_comp, "mesh_pyramid") {}
 
 void MeshShadow::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     if (heights_ &&
@@ -35,26 +41,18 @@ void MeshShadow::fit(VkCommandBuffer cmd, uint32_t size) {
 void MeshShadow::draw(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     const gpu::Commands::Pass pass(commands, "mesh shadow");
     const VkCommandBuffer cmd = commands.handle();
-    if (!heights_program_) {
-        const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, mesh_shadow_vert, "mesh_shadow"},
-                                           {VK_SHADER_STAGE_FRAGMENT_BIT, mesh_shadow_frag, "mesh_shadow"}};
-        heights_program_ =
-            gpu::GraphicsProgram(device_, shaders, {.formats = {VK_FORMAT_R32_SFLOAT}, .blend = gpu::Blend::largest});
-        pyramid_program_ =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, mesh_pyramid_comp, "mesh_pyramid"}, {});
-    }
     gpu::everythingBefore(cmd);
     const VkClearColorValue nothing{{-1e30f, 0, 0, 0}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(cmd, heights_.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
     gpu::everythingBefore(cmd);
     gpu::beginDrawing(cmd, {tick.mesh_size, tick.mesh_size}, {&heights_});
-    heights_program_.bind(commands, shared, {});
+    heights_program_.with().bind(commands, shared, {});
     vkCmdDraw(cmd, 3 * tick.triangle_count, 1, 0, 0);
     vkCmdEndRendering(cmd);
     for (uint32_t level = 1; tick.mesh_size >> level > 0; ++level) {
         gpu::everythingBefore(cmd);
-        pyramid_program_.bind(
+        pyramid_program_.with().bind(
             commands, shared,
             {gpu::sampledImage("mesh_heights", heights_, nearest_), gpu::storageBuffer("MeshPyramid", pyramid_)},
             level);

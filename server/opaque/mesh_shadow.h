@@ -3,7 +3,7 @@
 #pragma once
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -25,8 +25,7 @@ private:
 
     const gpu::Device& device_;
     gpu::Sampler nearest_;
-    gpu::GraphicsProgram heights_program_;
-    gpu::ComputeProgram pyramid_program_;
+    gpu::Variants heights_program_, pyramid_program_;
     gpu::Image heights_;
     gpu::Buffer pyramid_; // vec2[]: lib/mesh_pyramid.glsl
     gpu::Tick last_{};

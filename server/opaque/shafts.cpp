@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/scene_limits.h"
+#include "server/inputs/constants.h"
 #include "server/medium/band_limit.h"
 #include "shaders/shafts_comp.h"
 
@@ -12,6 +13,8 @@ namespace {
 static_assert(limits::kObjects.hi == gpu::kMostBodies);
 
 } // namespace
+
+Shafts::Shafts(const gpu::Device& device) : device_(device), program_(device, shafts_comp, "shafts") { prepare({}); }
 
 void Shafts::prepare(std::span<const EyeRequest> eyes) {
     VkDeviceSize pixels = 0;
@@ -27,22 +30,9 @@ void Shafts::giveBack() {
 
 void Shafts::record(gpu::Commands& commands, const ViewGroup& group) {
     const EyeInputs& in = *group.any;
-    const SceneFeatures& features = in.shared->features;
     const gpu::Commands::Pass pass(commands, "shafts", group.view());
     const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
-    gpu::ComputeProgram& program = programs_[{group.rate, step, group.colours, features}];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, shafts_comp, "shafts"},
-                                      {{gpu::kIdHasLobe, features.lobe},
-                                       {gpu::kIdHasMeshes, features.meshes},
-                                       {gpu::kIdHasFog, features.fog},
-                                       {gpu::kIdHasGlow, features.glow},
-                                       {gpu::kIdHasLocalLights, features.local_lights},
-                                       {gpu::kIdRate, group.rate},
-                                       {gpu::kIdStep, step},
-                                       {gpu::kIdSunColours, group.colours.sun},
-                                       {gpu::kIdAmbientColours, group.colours.ambient},
-                                       {gpu::kIdMultipleColours, group.colours.multiple}});
+    const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
     gpu::computeToCompute(commands.handle());
     for (uint32_t i = 0; i < group.count(); ++i) {
         program.bind(commands, group.resources, {group.blockOf(i), gpu::storageBuffer("Sunlit", sunlit_)});

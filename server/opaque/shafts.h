@@ -1,12 +1,10 @@
 // Shafts: the part of the sun's light in the medium before each pixel of one eye that objects do not shadow.
 #pragma once
 
-#include <map>
 #include <span>
-#include <tuple>
 
 #include "server/gpu/binding_sizes.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -14,7 +12,7 @@ namespace brume {
 
 class Shafts {
 public:
-    explicit Shafts(const gpu::Device& device) : device_(device) { prepare({}); }
+    explicit Shafts(const gpu::Device& device);
 
     // Makes room for pictures of these sizes; none: nothing throws a shadow on the medium. Precondition: nothing of it
     // is on the device.
@@ -30,8 +28,7 @@ public:
 
 private:
     const gpu::Device& device_;
-    std::map<std::tuple<uint32_t, uint32_t, gpu::FieldColours, SceneFeatures>, gpu::ComputeProgram>
-        programs_; // rate, step
+    gpu::Variants program_;
     gpu::Buffer sunlit_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/inputs/constants.h"
 #include "shaders/background_comp.h"
 #include "shaders/background_frag.h"
 #include "shaders/background_vert.h"
@@ -16,36 +17,24 @@ uint32_t binsOf(uint32_t width, uint32_t height) {
     return gpu::groups(width, gpu::kObjectBin) * gpu::groups(height, gpu::kObjectBin);
 }
 
+gpu::Variants programOf(const gpu::Device& device, bool by_draw) {
+    if (!by_draw) return {device, background_comp, "background"};
+    return {device,
+            {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
+             {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}},
+            {.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT}, .blend = gpu::Blend::replace}};
+}
+
 } // namespace
 
 Surfaces::Surfaces(const gpu::Device& device, const ObjectCounts& objects, bool meshes, bool by_draw)
-    : device_(device), first_(objects), meshes_{gpu::kIdHasMeshes, meshes}, by_draw_(by_draw) {
+    : device_(device), first_(objects), meshes_(meshes), by_draw_(by_draw),
+      bins_program_(device, object_bins_comp, "object_bins"), program_(programOf(device, by_draw)) {
     prepare({}, objects, {});
 }
 
 bool Surfaces::isMany() const {
     return objects_.bodies() > gpu::kFewObjects || objects_.boxes != first_.boxes || objects_.spheres != first_.spheres;
-}
-
-const Surfaces::Programs& Surfaces::programsFor(const Variant& variant) {
-    Programs& made = programs_[variant];
-    const gpu::SpecConstant planes{gpu::kIdPlanes, variant.objects.planes}, boxes{gpu::kIdBoxes, variant.objects.boxes},
-        spheres{gpu::kIdSpheres, variant.objects.spheres}, many{gpu::kIdManyObjects, variant.many},
-        structure{gpu::kIdHasStructure, variant.objects.structure}, fog{gpu::kIdHasFog, variant.fog},
-        lights{gpu::kIdHasLocalLights, variant.local_lights}, balls{gpu::kIdUnion, variant.balls};
-    if (by_draw_ && !made.draw) {
-        const gpu::ShaderCode shaders[] = {{VK_SHADER_STAGE_VERTEX_BIT, background_vert, "background"},
-                                           {VK_SHADER_STAGE_FRAGMENT_BIT, background_frag, "background"}};
-        const gpu::SpecConstant constants[] = {planes, boxes, spheres, many, structure, meshes_, fog, lights, balls};
-        gpu::GraphicsInfo graphics;
-        graphics.formats = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R32_SFLOAT};
-        graphics.blend = gpu::Blend::replace;
-        made.draw = gpu::GraphicsProgram(device_, shaders, graphics, constants);
-    }
-    if (!by_draw_ && !made.compute)
-        made.compute = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, background_comp, "background"},
-                                           {planes, boxes, spheres, many, structure, meshes_, fog, lights, balls});
-    return made;
 }
 
 void Surfaces::prepare(std::span<const EyeRequest> eyes, const ObjectCounts& objects,
@@ -85,10 +74,7 @@ gpu::Resource Surfaces::orderOf(const EyeInputs& in) const {
 // Ends with its writes visible to all.
 void Surfaces::recordBins(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Commands::Pass pass(commands, "object bins", in.view);
-    if (!bins_program_)
-        bins_program_ =
-            gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, object_bins_comp, "object_bins"}, {});
-    bins_program_.bind(commands, in.resources, {gpu::storageBuffer("ObjectBins", bins_), orderOf(in)});
+    bins_program_.with().bind(commands, in.resources, {gpu::storageBuffer("ObjectBins", bins_), orderOf(in)});
     vkCmdDispatch(commands.handle(), gpu::groups(binsOf(in.size.width, in.size.height), 64), 1, 1);
     gpu::everythingBefore(commands.handle());
 }
@@ -102,17 +88,21 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
     const gpu::Resource own[] = {
         gpu::storageBuffer("ObjectBins", bins_), orderOf(in),
         gpu::storageBuffer("Particles", *in.shared->particles)}; // all particles, also for eyes with fewer
-    ObjectCounts compiled = objects_;
-    if (many) compiled.boxes = std::min(compiled.boxes, 1u), compiled.spheres = std::min(compiled.spheres, 1u);
-    const Programs& programs = programsFor(
-        {compiled, many, in.shared->features.fog, in.shared->features.local_lights, in.shared->features.balls});
+    const auto compiled = [&](uint32_t count) { return many ? std::min(count, 1u) : count; };
+    const gpu::Program& program =
+        program_.with(constantsOf(in.shared->features), {{gpu::kIdPlanes, objects_.planes},
+                                                         {gpu::kIdBoxes, compiled(objects_.boxes)},
+                                                         {gpu::kIdSpheres, compiled(objects_.spheres)},
+                                                         {gpu::kIdManyObjects, many},
+                                                         {gpu::kIdHasStructure, objects_.structure},
+                                                         {gpu::kIdHasMeshes, meshes_}});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
-        programs.draw.bind(commands, in.resources, own, {});
+        program.bind(commands, in.resources, own, {});
         vkCmdDraw(cmd, 3, 1, 0, 0);
         vkCmdEndRendering(cmd);
     } else {
-        programs.compute.bind(commands, in.resources, own, {});
+        program.bind(commands, in.resources, own, {});
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 8), gpu::groups(in.size.height, 8), 1);
     }
     gpu::everythingBefore(cmd);

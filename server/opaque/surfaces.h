@@ -1,13 +1,12 @@
 // The first pass of every eye: sky and opaque objects, with the shadows that objects and medium throw on them.
 #pragma once
 
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_inputs.h"
 #include "server/inputs/eye_request.h"
 #include "server/opaque/object_buffers.h"
@@ -31,17 +30,6 @@ public:
     void record(gpu::Commands& commands, const EyeInputs& in);
 
 private:
-    struct Programs {
-        gpu::GraphicsProgram draw; // either this or the other is made
-        gpu::ComputeProgram compute;
-    };
-    struct Variant {
-        ObjectCounts objects; // of many boxes and spheres: 1 for each kind that there is
-        bool many = false;    // True: boxes and spheres are looked for in bins
-        bool fog = false, local_lights = false, balls = false;
-        auto operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
-    };
-    const Programs& programsFor(const Variant& variant);
     bool isMany() const;
     void writeOrder(std::span<const EyeRequest> eyes, std::span<const gpu::Opaque> all);
     gpu::Resource orderOf(const EyeInputs& in) const;
@@ -50,13 +38,11 @@ private:
     const gpu::Device& device_;
     const ObjectCounts first_;
     ObjectCounts objects_;
-    const gpu::SpecConstant meshes_;
-    const bool by_draw_;
-    gpu::ComputeProgram bins_program_;
+    const bool meshes_, by_draw_;
+    gpu::Variants bins_program_, program_;
     gpu::Buffer bins_;  // uint[bins][words]: which of many the rays of a bin of the last eye's pixels may hit
     gpu::Buffer order_; // uint[eyes][kMostBodies]: indices of boxes and spheres, the nearest first
     std::vector<std::pair<float, uint32_t>> nearest_; // scratch of writeOrder()
-    std::map<Variant, Programs> programs_;
 };
 
 } // namespace brume

@@ -2,9 +2,7 @@
 // whose medium comes as a field are made here and never stored as radiance, unless somebody wants to read it.
 #pragma once
 
-#include <map>
-
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
 #include "server/render/show.h"
@@ -34,17 +32,7 @@ public:
     void record(gpu::Commands& commands, const ViewGroup& group);
 
 private:
-    struct Variant {
-        bool drawn, keep, full;
-        uint32_t rate, step;
-        gpu::FieldColours colours;
-        SceneFeatures features;
-        auto
-        operator<=>(const Variant&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14 takes it for a 0
-    };
     static uint32_t blocksOf(const SceneFeatures& features, uint32_t rate);
-    const gpu::ComputeProgram& everyPixel(const Variant& variant);
-    const gpu::ComputeProgram& someNodes(const Variant& variant);
     void recordEveryPixel(gpu::Commands& commands, const ViewGroup& group);
     void shadeField(gpu::Commands& commands, const ViewGroup& group);
     void shadeTarget(gpu::Commands& commands, const ViewGroup& group);
@@ -56,9 +44,7 @@ private:
     bool keep_ = false, full_ = false;
     gpu::Buffer none_; // bound where there is no field
     gpu::Buffer shaded_;
-    std::map<Variant, gpu::ComputeProgram> every_pixel_, some_nodes_;
-    std::map<uint32_t, gpu::ComputeProgram> drawn_nodes_;              // by the step
-    std::map<std::pair<uint32_t, bool>, gpu::ComputeProgram> present_; // by the step and fullColour()
+    gpu::Variants every_pixel_, some_nodes_, drawn_nodes_, present_;
 };
 
 } // namespace brume

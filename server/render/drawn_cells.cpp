@@ -13,6 +13,8 @@ constexpr float kSame = 0.25f;
 
 } // namespace
 
+DrawnCells::DrawnCells(const gpu::Device& device) : program_(device, drawn_cells_comp, "drawn_cells") {}
+
 void DrawnCells::clear(gpu::Commands& commands, const EyeInputs& coarse) const {
     const VkClearColorValue nothing{{0, 0, 0, 1}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -30,16 +32,13 @@ void DrawnCells::interpolate(gpu::Commands& commands, const EyeInputs& fine, con
     const struct {
         float near, far, same;
     } push{std::max(depths.near, eye.near_depth), std::max(depths.far, eye.near_depth), kSame * extent.deviation};
-    gpu::ComputeProgram& program = programs_[coarse.step];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, drawn_cells_comp, "drawn_cells"},
-                                      {{gpu::kIdStep, coarse.step}});
     gpu::everythingBefore(cmd);
     const gpu::Sampler& nearest = *fine.shared->nearest;
-    program.bind(commands, fine.resources,
-                 {gpu::sampledImage("node_medium", coarse.target->radiance, nearest),
-                  gpu::sampledImage("node_depth", coarse.target->view_depth, nearest)},
-                 push);
+    program_.with({{gpu::kIdStep, coarse.step}})
+        .bind(commands, fine.resources,
+              {gpu::sampledImage("node_medium", coarse.target->radiance, nearest),
+               gpu::sampledImage("node_depth", coarse.target->view_depth, nearest)},
+              push);
     const uint32_t side = 8 * coarse.step;
     vkCmdDispatch(cmd, gpu::groups(fine.size.width, side), gpu::groups(fine.size.height, side), 1);
     gpu::everythingBefore(cmd);

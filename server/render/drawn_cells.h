@@ -2,17 +2,15 @@
 // except in cells that the edge of a surface or of its shadow crosses.
 #pragma once
 
-#include <map>
-
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_inputs.h"
 
 namespace brume {
 
 class DrawnCells {
 public:
-    explicit DrawnCells(const gpu::Device& device) : device_(device) {}
+    explicit DrawnCells(const gpu::Device& device);
 
     // Before the medium is drawn at every step-th pixel: leaves the surfaces in that target's view depth, and no
     // radiance.
@@ -22,8 +20,7 @@ public:
     void interpolate(gpu::Commands& commands, const EyeInputs& fine, const EyeInputs& coarse);
 
 private:
-    const gpu::Device& device_;
-    std::map<uint32_t, gpu::ComputeProgram> programs_; // by the step
+    gpu::Variants program_;
 };
 
 } // namespace brume

@@ -8,7 +8,7 @@
 namespace brume {
 
 GlassLayers::GlassLayers(const gpu::Device& device, std::span<const Glass> glasses)
-    : device_(device), glasses_(glasses.begin(), glasses.end()) {
+    : device_(device), glasses_(glasses.begin(), glasses.end()), program_(device, glass_comp, "glass") {
     if (glasses_.empty()) return;
     sheets_ = gpu::Buffer(device, glasses_.size() * sizeof(gpu::GlassSheet), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                           gpu::Memory::upload, "glass");
@@ -31,12 +31,11 @@ uint32_t GlassLayers::layersOf(const EyeInputs& in) const {
 void GlassLayers::record(gpu::Commands& commands, const ViewGroup& group, uint32_t drawn, uint32_t layers) {
     const EyeInputs& in = *group.any;
     const gpu::Commands::Pass pass(commands, "glass", in.view);
-    if (!program_) program_ = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, glass_comp, "glass"});
     const gpu::View& view = group.views.front();
     const gpu::GlassPush push{uint32_t(glasses_.size()), drawn, layers, view.first, view.end};
     gpu::everythingBefore(commands.handle());
-    program_.bind(commands, in.resources, {gpu::storageBuffer("Sheets", sheets_), gpu::storageBuffer("Sums", sums_)},
-                  push);
+    program_.with().bind(commands, in.resources,
+                         {gpu::storageBuffer("Sheets", sheets_), gpu::storageBuffer("Sums", sums_)}, push);
     vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 8), gpu::groups(push.end - push.first, 8), 1);
     gpu::everythingBefore(commands.handle());
 }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 
@@ -33,7 +33,7 @@ public:
 private:
     const gpu::Device& device_;
     const std::vector<Glass> glasses_;
-    gpu::ComputeProgram program_;
+    gpu::Variants program_;
     gpu::Buffer sheets_; // gpu::GlassSheet[]
     gpu::Buffer sums_;   // GlassSum[row][column] of shaders/glass.comp
 };

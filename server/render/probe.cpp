@@ -2,9 +2,12 @@
 
 #include <algorithm>
 
+#include "server/inputs/constants.h"
 #include "shaders/probe_comp.h"
 
 namespace brume {
+
+Probe::Probe(const gpu::Device& device) : device_(device), program_(device, probe_comp, "probe") {}
 
 std::span<const glm::vec4> ProbeReading::values() {
     if (pixels.empty()) return {};
@@ -23,20 +26,6 @@ void Probe::prepare(ProbeReading& reading) const {
     reading.where_.flush();
 }
 
-const gpu::ComputeProgram& Probe::programFor(bool drawn, const SceneFeatures& features) {
-    gpu::ComputeProgram& program = programs_[{drawn, features}];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, probe_comp, "probe"},
-                                      {{gpu::kIdHasOpaque, features.opaque},
-                                       {gpu::kIdHasCasters, features.casters},
-                                       {gpu::kIdHasLobe, features.lobe},
-                                       {gpu::kIdHasFog, features.fog},
-                                       {gpu::kIdHasGlow, features.glow},
-                                       {gpu::kIdHasLocalLights, features.local_lights},
-                                       {gpu::kIdDrawn, drawn}});
-    return program;
-}
-
 void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading& reading, const gpu::View& eye) {
     const EyeInputs& in = *group.any;
     reading.drawn = !group.field;
@@ -50,7 +39,8 @@ void Probe::record(gpu::Commands& commands, const ViewGroup& group, ProbeReading
                                   .ambient_colours = group.colours.ambient,
                                   .multiple_colours = group.colours.multiple,
                                   .step = group.step};
-        programFor(reading.drawn, reading.drawn ? SceneFeatures{} : in.shared->features)
+        const SceneFeatures features = reading.drawn ? SceneFeatures() : in.shared->features;
+        program_.with(constantsOf(features), {{gpu::kIdDrawn, reading.drawn}})
             .bind(commands, group.resources,
                   {group.blockOf(i), gpu::storageBuffer("Pixels", reading.where_),
                    gpu::storageBuffer("Field", reading.drawn ? reading.where_ : *group.field),

@@ -1,11 +1,10 @@
 // Probe: reads the radiance of some pixels of a picture back, for the server's own estimate of its error.
 #pragma once
 
-#include <map>
 #include <span>
 #include <vector>
 
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
 
@@ -31,7 +30,7 @@ private:
 
 class Probe {
 public:
-    explicit Probe(const gpu::Device& device) : device_(device) {}
+    explicit Probe(const gpu::Device& device);
 
     // Makes room, and copies the pixels. Precondition: the device does not use `reading`.
     void prepare(ProbeReading& reading) const;
@@ -39,10 +38,8 @@ public:
     void record(gpu::Commands& commands, const ViewGroup& group, ProbeReading& reading, const gpu::View& eye);
 
 private:
-    const gpu::ComputeProgram& programFor(bool drawn, const SceneFeatures& features);
-
     const gpu::Device& device_;
-    std::map<std::pair<bool, SceneFeatures>, gpu::ComputeProgram> programs_; // by the arguments of programFor()
+    gpu::Variants program_;
 };
 
 } // namespace brume

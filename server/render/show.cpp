@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/inputs/constants.h"
 #include "server/render/picture.h"
 #include "shaders/show_comp.h"
 
@@ -76,6 +77,8 @@ bool fades(const RenderSettings& settings) { return settings.method != "isv" || 
 
 } // namespace
 
+Show::Show(const gpu::Device& device) : device_(device), program_(device, show_comp, "show") {}
+
 void Show::prepare(std::span<const EyeRequest> eyes, bool full) {
     full_ = full;
     eyes_.clear();
@@ -112,19 +115,6 @@ void Show::makeLegends() {
                            gpu::Memory::upload, "legends");
     std::ranges::copy(words, legends_.mapped<uint32_t>(words.size()).begin());
     legends_.flush();
-}
-
-const gpu::ComputeProgram& Show::programFor(uint32_t show, const SceneFeatures& features, bool fading) {
-    if (show != gpu::kShowWasted && show != gpu::kShowOverdraw) fading = true; // others do not ask
-    gpu::ComputeProgram& program = programs_[{show, fading, features.opaque, features.casters, full_}];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, show_comp, "show"},
-                                      {{gpu::kIdShow, show},
-                                       {gpu::kIdFading, fading},
-                                       {gpu::kIdHasOpaque, features.opaque},
-                                       {gpu::kIdHasCasters, features.casters},
-                                       {gpu::kIdFull, full_}});
-    return program;
 }
 
 LegendOf Show::legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const {
@@ -180,7 +170,12 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
                                  .legend_scale =
                                      std::max(1u, std::min(view.eye.size.y / 360, view.eye.size.x / placed.size.x))};
         gpu::computeToCompute(cmd);
-        programFor(show, in.shared->features, fades(*in.shared->settings))
+        // Others do not ask.
+        const bool asks = show == gpu::kShowWasted || show == gpu::kShowOverdraw;
+        const bool fading = !asks || fades(*in.shared->settings);
+        program_
+            .with(constantsOf(in.shared->features),
+                  {{gpu::kIdShow, show}, {gpu::kIdFading, fading}, {gpu::kIdFull, full_}})
             .bind(commands, group.resources,
                   {group.blockOf(i), gpu::storageBuffer("Legends", legends_), gpu::storageBuffer("Discs", discs_)},
                   push);

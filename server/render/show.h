@@ -2,12 +2,10 @@
 // nobody looks at one.
 #pragma once
 
-#include <map>
 #include <span>
-#include <tuple>
 #include <vector>
 
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/view_group.h"
 #include "server/render/legend.h"
@@ -16,7 +14,7 @@ namespace brume {
 
 class Show {
 public:
-    explicit Show(const gpu::Device& device) : device_(device) {}
+    explicit Show(const gpu::Device& device);
 
     // Takes what the eyes ask for. `full`: planes are R, G, B. Precondition: nothing of this is on the device.
     void prepare(std::span<const EyeRequest> eyes, bool full);
@@ -27,7 +25,6 @@ public:
 
 private:
     void makeLegends();
-    const gpu::ComputeProgram& programFor(uint32_t show, const SceneFeatures& features, bool fading);
     LegendOf legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const;
 
     // One eye of the submission.
@@ -46,7 +43,7 @@ private:
     };
     std::vector<Placed> placed_; // of every legend in legends_
     // By view, fading, opaque, casters, full.
-    std::map<std::tuple<uint32_t, bool, bool, bool, bool>, gpu::ComputeProgram> programs_;
+    gpu::Variants program_;
 };
 
 } // namespace brume

@@ -5,6 +5,7 @@
 
 #include "common/scene_limits.h"
 #include "server/gpu/binding_sizes.h"
+#include "server/inputs/constants.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/world_box.h"
 #include "shaders/froxel_apply_comp.h"
@@ -74,12 +75,7 @@ gpu::FroxelGrid froxelSlices(const EyeInputs& in) {
 }
 
 FroxelVolume::FroxelVolume(const MethodContext& context)
-    : device_(context.device), features_(context.features),
-      apply_(context.device, {VK_SHADER_STAGE_COMPUTE_BIT, froxel_apply_comp, "froxel_apply"},
-             {{gpu::kIdHasOpaque, context.features.opaque},
-              {gpu::kIdHasFog, context.features.fog},
-              {gpu::kIdHasGlow, context.features.glow},
-              {gpu::kIdHasAmbient, context.features.ambient}}) {
+    : device_(context.device), features_(context.features), apply_(context.device, froxel_apply_comp, "froxel_apply") {
     if (features_.opaque) furthest_.emplace(device_);
 }
 
@@ -116,7 +112,8 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
             gpu::FroxelGrid froxels;
             glm::uvec2 rows;
         } push{froxels, {row * froxels.pixels, std::min((row + froxels.rays.y - 1) * froxels.pixels, in.size.height)}};
-        apply_.bind(commands, in.resources, {gpu::storageBuffer("Volume", volume_)}, push);
+        apply_.with(constantsOf(in.shared->features))
+            .bind(commands, in.resources, {gpu::storageBuffer("Volume", volume_)}, push);
         vkCmdDispatch(cmd, gpu::groups(in.size.width, 16), gpu::groups(push.rows.y - push.rows.x, 4), 1);
         gpu::computeToCompute(cmd);
     }

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/methods/method.h"
 #include "server/methods/proxies/furthest_depths.h"
 #include "shaders/shared/froxels.h"
@@ -38,7 +38,7 @@ protected:
     const SceneFeatures features_;
 
 private:
-    gpu::ComputeProgram apply_;
+    gpu::Variants apply_;
     std::optional<FurthestDepths> furthest_; // with opaque objects
     gpu::Buffer volume_;
 };

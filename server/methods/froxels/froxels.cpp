@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/gpu/program.h"
+#include "server/inputs/constants.h"
 #include "server/inputs/world_box.h"
 #include "server/light/shadow_frustum.h"
 #include "server/light/shadow_grid.h"
@@ -26,7 +27,7 @@ class Froxels : public FroxelVolume {
 public:
     explicit Froxels(const MethodContext& context)
         : FroxelVolume(context), nodes_(context.device), grid_(context.device), frusta_(context.device),
-          history_(context.device) {}
+          history_(context.device), program_(context.device, froxels_comp, "froxels") {}
 
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
         history_.forgetOld();
@@ -83,7 +84,10 @@ private:
         };
         FroxelShaders shaders = shadersFor(shared.settings->froxels);
         shaders.history = shaders.history && history.has;
-        program(shaders, in.medium->extent->one_albedo)
+        program_
+            .with(constantsOf(shared.features), {{gpu::kIdOneAlbedo, in.medium->extent->one_albedo},
+                                                 {gpu::kIdShadows, shaders.shadows},
+                                                 {gpu::kIdHistory, shaders.history}})
             .bind(commands, in.resources,
                   {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Volume", volume()),
                    gpu::storageBuffer("Furthest", furthest()), gpu::storageBuffer("Marks", nodes_.marks()),
@@ -96,23 +100,6 @@ private:
         gpu::computeToCompute(commands.handle());
     }
 
-    const gpu::ComputeProgram& program(const FroxelShaders& shaders, bool one_albedo) {
-        gpu::ComputeProgram& made = programs_[{shaders, one_albedo}];
-        if (!made)
-            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, froxels_comp, "froxels"},
-                                       {{gpu::kIdHasOpaque, features_.opaque},
-                                        {gpu::kIdHasCasters, features_.casters},
-                                        {gpu::kIdHasMeshes, features_.meshes},
-                                        {gpu::kIdHasAmbient, features_.ambient},
-                                        {gpu::kIdHasFog, features_.fog},
-                                        {gpu::kIdHasGlow, features_.glow},
-                                        {gpu::kIdHasLocalLights, features_.local_lights},
-                                        {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdShadows, shaders.shadows},
-                                        {gpu::kIdHistory, shaders.history}});
-        return made;
-    }
-
     GridPass nodes_;
     ShadowGrid grid_;
     ShadowFrusta frusta_;
@@ -121,7 +108,7 @@ private:
     std::vector<ShadowSlices> slices_; // that the frusta cover
     float far_ = 0;                    // m of view depth, where the slices of all eyes end
     FroxelHistory history_;
-    std::map<std::pair<FroxelShaders, bool>, gpu::ComputeProgram> programs_; // by: one albedo
+    gpu::Variants program_;
 };
 
 } // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/inputs/constants.h"
 #include "server/methods/gradients/light_shaders.h"
 #include "shaders/radiance_nested_comp.h"
 #include "shaders/radiance_nodes_comp.h"
@@ -73,7 +74,10 @@ uint32_t samplesOf(const gpu::LightSampling& sampling, uint32_t level) {
 } // namespace
 
 RadianceGrid::RadianceGrid(const gpu::Device& device)
-    : device_(device), counts_(device, gpu::kLightCounts, "light counts") {}
+    : device_(device), samples_program_(device, radiance_samples_comp, "radiance_samples"),
+      nested_program_(device, radiance_nested_comp, "radiance_nested"),
+      nodes_program_(device, radiance_nodes_comp, "radiance_nodes"),
+      counts_(device, gpu::kLightCounts, "light counts") {}
 
 std::array<uint32_t, gpu::kLightCounts> RadianceGrid::countsSince() {
     std::array<uint32_t, gpu::kLightCounts> counts{};
@@ -116,17 +120,8 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     shared.give(gpu::storageBuffer("Nodes", nodes.nodes()));
     shared.give(gpu::storageBuffer("Marks", nodes.marks()));
     shared.give(gpu::storageBuffer("Counts", counts_.buffer()));
-    const auto record = [&](std::map<SceneFeatures, gpu::ComputeProgram>& programs, std::span<const uint32_t> code,
-                            const char* name, std::initializer_list<gpu::Resource> own, glm::uvec3 groups) {
-        gpu::ComputeProgram& program = programs[tick.features];
-        if (!program)
-            program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name},
-                                          {{gpu::kIdHasOpaque, tick.features.opaque},
-                                           {gpu::kIdHasCasters, tick.features.casters},
-                                           {gpu::kIdHasMeshes, tick.features.meshes},
-                                           {gpu::kIdHasFog, tick.features.fog},
-                                           {gpu::kIdHasLocalLights, tick.features.local_lights}});
-        program.bind(commands, shared, own, push);
+    const auto record = [&](gpu::Variants& variants, std::initializer_list<gpu::Resource> own, glm::uvec3 groups) {
+        variants.with(constantsOf(tick.features)).bind(commands, shared, own, push);
         vkCmdDispatch(cmd, groups.x, groups.y, groups.z);
         gpu::computeToCompute(cmd);
     };
@@ -137,7 +132,7 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     if (spheres)
         for (push.level = -1; push.level < int(push.levels); ++push.level) {
             const uint32_t lanes = push.level < 0 ? push.firsts : samplesOf(push, uint32_t(push.level));
-            record(samples_programs_, radiance_samples_comp, "radiance_samples",
+            record(samples_program_,
                    {gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
                     gpu::storageBuffer("Spheres", spheres_)},
                    inLines(lanes));
@@ -145,11 +140,10 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     if (nested)
         for (push.level = 1 << push.levels; push.level > 0; push.level /= 2) {
             const glm::uvec3 lanes = shape_.bricks * gpu::kSlabTile / uint32_t(push.level);
-            record(nested_programs_, radiance_nested_comp, "radiance_nested",
-                   {gpu::storageBuffer("Values", values_), gpu::storageBuffer("States", states_)},
+            record(nested_program_, {gpu::storageBuffer("Values", values_), gpu::storageBuffer("States", states_)},
                    inLines(lanes.x * lanes.y * lanes.z));
         }
-    record(nodes_programs_, radiance_nodes_comp, "radiance_nodes",
+    record(nodes_program_,
            {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
             gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
             gpu::storageBuffer("Spheres", spheres_), gpu::storageBuffer("Values", values_)},

@@ -4,10 +4,9 @@
 #pragma once
 
 #include <array>
-#include <map>
 
 #include "server/gpu/counts.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/methods/lit/lit_grid.h"
 #include "shaders/shared/radiance.h"
 
@@ -27,7 +26,7 @@ public:
 
 private:
     const gpu::Device& device_;
-    std::map<SceneFeatures, gpu::ComputeProgram> samples_programs_, nested_programs_, nodes_programs_;
+    gpu::Variants samples_program_, nested_program_, nodes_program_;
     LitNodes light_;
     gpu::Buffer samples_, states_, spheres_, values_;
     gpu::Counts counts_;

@@ -9,7 +9,8 @@ namespace {
 
 class Grid : public SlabRays {
 public:
-    explicit Grid(const MethodContext& context) : SlabRays(context), medium_(context.device) {}
+    explicit Grid(const MethodContext& context)
+        : SlabRays(context), medium_(context.device), rays_(context.device, grid_rays_comp, "grid_rays") {}
 
     MethodNeeds needs() const override { return {.one_medium = true, .draws = false}; }
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
@@ -23,17 +24,7 @@ private:
         const uint32_t cubic = isCubic(*in.shared->settings);
         const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
-        program(grid_rays_comp, "grid_rays", 2 * variantOf(group.colours) + cubic,
-                {{gpu::kIdHasOpaque, features_.opaque},
-                 {gpu::kIdCubic, cubic},
-                 {gpu::kIdHasFog, features_.fog},
-                 {gpu::kIdHasGlow, features_.glow},
-                 {gpu::kIdHasLocalLights, features_.local_lights},
-                 {gpu::kIdSunColours, group.colours.sun},
-                 {gpu::kIdAmbientColours, group.colours.ambient},
-                 {gpu::kIdMultipleColours, group.colours.multiple},
-                 {gpu::kIdScattering, group.colours.model},
-                 {gpu::kIdHasLobe, features_.lobe}})
+        rays_.with(constantsOf(group), {{gpu::kIdCubic, cubic}})
             .bind(commands, group.resources,
                   {gpu::storageBuffer("Nodes", medium_.nodes()), gpu::storageBuffer("Marks", medium_.marks())},
                   medium_.grid());
@@ -43,6 +34,7 @@ private:
     }
 
     GridPass medium_;
+    gpu::Variants rays_;
 };
 
 } // namespace

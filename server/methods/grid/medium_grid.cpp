@@ -26,12 +26,7 @@ bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
 
 GridPass::GridPass(const gpu::Device& device)
     : device_(device), bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"}),
-      coarse_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
-                      {{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}}),
-      with_coarse_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
-                           {{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, true}}),
-      alone_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_fill_comp, "grid_fill"},
-                     {{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, false}}) {}
+      program_(device, grid_fill_comp, "grid_fill") {}
 
 void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings, bool linear) {
     const gpu::MediumGrid grid = gridThatFits(*in.extent, settings, linear);
@@ -66,7 +61,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         vkCmdDispatch(cmd, words, 1, 1);
         gpu::computeToCompute(cmd);
     }
-    const auto fill = [&](const gpu::ComputeProgram& program, glm::uvec3 size, const gpu::Buffer& into,
+    const auto fill = [&](const gpu::Program& program, glm::uvec3 size, const gpu::Buffer& into,
                           const gpu::Buffer& from) {
         program.bind(commands, in.resources,
                      {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Nodes", into),
@@ -78,8 +73,10 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     };
     const bool has_coarse = hasCoarse(grid);
     const gpu::Commands::Pass pass(commands, "grid");
-    if (has_coarse) fill(coarse_program_, coarse, coarse_nodes_, members_); // bound, but not read
-    fill(has_coarse ? with_coarse_program_ : alone_program_, bricks, nodes_, has_coarse ? coarse_nodes_ : members_);
+    if (has_coarse) // the last one is bound, but not read
+        fill(program_.with({{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}}), coarse, coarse_nodes_, members_);
+    fill(program_.with({{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, has_coarse}}), bricks, nodes_,
+         has_coarse ? coarse_nodes_ : members_);
 }
 
 } // namespace brume

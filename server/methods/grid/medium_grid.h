@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/medium_view.h"
 #include "server/methods/grid/node_grid_plan.h"
 
@@ -29,7 +29,7 @@ public:
 private:
     const gpu::Device& device_;
     gpu::ComputeProgram bins_program_;
-    gpu::ComputeProgram coarse_program_, with_coarse_program_, alone_program_; // fill coarse nodes; the others
+    gpu::Variants program_;
     gpu::Buffer members_, bins_, nodes_, coarse_nodes_, marks_;
     gpu::MediumGrid grid_{};
     std::optional<uint64_t> version_; // of the particles that the nodes hold

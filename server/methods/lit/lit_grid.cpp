@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "server/gpu/binding_sizes.h"
+#include "server/inputs/constants.h"
 #include "server/inputs/world_box.h"
 #include "shaders/lit_grid_comp.h"
 
@@ -76,30 +77,24 @@ void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape
                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "sunlit nodes");
 }
 
+LitGrid::LitGrid(const gpu::Device& device) : device_(device), program_(device, lit_grid_comp, "lit_grid") {}
+
 void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
     shape_ = litShape(tick, medium, nodes.grid(), tick.settings->radiance.spacing);
     if (key_.isSame(tick, medium, shape_)) return;
     light_.atLeast(device_, shape_, tick.features.local_lights);
     if (shape_.bricks.x == 0) return;
     const gpu::Commands::Pass pass(commands, "lit grid");
-    gpu::ComputeProgram& program = programs_[tick.features];
-    if (!program)
-        program = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, lit_grid_comp, "lit_grid"},
-                                      {{gpu::kIdHasOpaque, tick.features.opaque},
-                                       {gpu::kIdHasCasters, tick.features.casters},
-                                       {gpu::kIdHasMeshes, tick.features.meshes},
-                                       {gpu::kIdHasFog, tick.features.fog},
-                                       {gpu::kIdHasGlow, tick.features.glow},
-                                       {gpu::kIdHasLocalLights, tick.features.local_lights}});
     const struct {
         gpu::LitGridShape lit;
         gpu::MediumGrid medium;
     } push{shape_, nodes.grid()};
     gpu::everythingBefore(commands.handle()); // the eyes before have read it
-    program.bind(commands, medium.resources,
-                 {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
-                  gpu::storageBuffer("Marks", nodes.marks())},
-                 push);
+    program_.with(constantsOf(tick.features))
+        .bind(commands, medium.resources,
+              {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
+               gpu::storageBuffer("Marks", nodes.marks())},
+              push);
     vkCmdDispatch(commands.handle(), shape_.bricks.x, shape_.bricks.y, shape_.bricks.z);
     gpu::computeToCompute(commands.handle());
 }

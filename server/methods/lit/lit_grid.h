@@ -2,12 +2,11 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <optional>
 #include <vector>
 
 #include "server/gpu/commands.h"
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/inputs/eye_inputs.h"
 #include "server/methods/grid/medium_grid.h"
 #include "shaders/shared/lit_grid.h"
@@ -45,7 +44,7 @@ uint64_t nodesOf(const gpu::LitGridShape& shape);
 
 class LitGrid {
 public:
-    explicit LitGrid(const gpu::Device& device) : device_(device) {}
+    explicit LitGrid(const gpu::Device& device);
 
     // Records the nodes, unless medium, lights, objects and shape are those of the last call. Preconditions: `nodes` is
     // recorded, and nothing of this is on the device. Ends with its writes visible to compute.
@@ -56,7 +55,7 @@ public:
 
 private:
     const gpu::Device& device_;
-    std::map<SceneFeatures, gpu::ComputeProgram> programs_;
+    gpu::Variants program_;
     LitNodes light_;
     gpu::LitGridShape shape_{};
     LitKey key_;

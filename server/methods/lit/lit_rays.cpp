@@ -1,8 +1,12 @@
 #include "server/methods/lit/lit_rays.h"
 
+#include "server/inputs/constants.h"
 #include "shaders/lit_rays_comp.h"
 
 namespace brume {
+
+LitRays::LitRays(const MethodContext& context)
+    : FroxelVolume(context), nodes_(context.device), program_(context.device, lit_rays_comp, "lit_rays") {}
 
 void LitRays::recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) {
     nodes_.record(commands, medium, *tick.settings, true);
@@ -19,7 +23,7 @@ void LitRays::recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu
         gpu::LitGridShape lit;
         glm::vec3 albedo;
     } push{froxels, nodes_.grid(), lit.shape, in.medium->extent->albedo};
-    program(in.medium->extent->one_albedo)
+    program_.with(constantsOf(shared.features), {{gpu::kIdOneAlbedo, in.medium->extent->one_albedo}})
         .bind(commands, in.resources,
               {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Volume", volume()),
                gpu::storageBuffer("Furthest", furthest()), gpu::storageBuffer("Marks", nodes_.marks()),
@@ -27,21 +31,6 @@ void LitRays::recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu
               push);
     vkCmdDispatch(commands.handle(), gpu::groups(froxels.rays.x, 8), gpu::groups(froxels.rays.y, 8), 1);
     gpu::computeToCompute(commands.handle());
-}
-
-const gpu::ComputeProgram& LitRays::program(bool one_albedo) {
-    gpu::ComputeProgram& made = programs_[one_albedo];
-    if (!made)
-        made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, lit_rays_comp, "lit_rays"},
-                                   {{gpu::kIdHasOpaque, features_.opaque},
-                                    {gpu::kIdHasCasters, features_.casters},
-                                    {gpu::kIdHasMeshes, features_.meshes},
-                                    {gpu::kIdHasAmbient, features_.ambient},
-                                    {gpu::kIdHasFog, features_.fog},
-                                    {gpu::kIdHasGlow, features_.glow},
-                                    {gpu::kIdHasLocalLights, features_.local_lights},
-                                    {gpu::kIdOneAlbedo, one_albedo}});
-    return made;
 }
 
 } // namespace brume

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <array>
-#include <map>
 
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/lit/lit_grid.h"
 
@@ -12,7 +11,7 @@ namespace brume {
 
 class LitRays : public FroxelVolume {
 public:
-    explicit LitRays(const MethodContext& context) : FroxelVolume(context), nodes_(context.device) {}
+    explicit LitRays(const MethodContext& context);
 
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override;
 
@@ -28,10 +27,9 @@ protected:
 
 private:
     void recordRays(gpu::Commands& commands, const EyeInputs& in, const gpu::FroxelGrid& froxels) override;
-    const gpu::ComputeProgram& program(bool one_albedo);
 
     GridPass nodes_;
-    std::map<bool, gpu::ComputeProgram> programs_; // by: all particles have one albedo
+    gpu::Variants program_;
 };
 
 // A method whose light is that of a grid of class Grid, which has record(), shape() and light() as LitGrid.

@@ -2,12 +2,10 @@
 // of neighbouring pixels along their rays, and a filter across these makes one picture of it (KTH 2018). The baseline
 // beside which closed forms are judged.
 #include <algorithm>
-#include <map>
 #include <string>
-#include <tuple>
 
 #include "server/gpu/binding_sizes.h"
-#include "server/gpu/program.h"
+#include "server/inputs/constants.h"
 #include "server/methods/froxels/froxel_volume.h"
 #include "server/methods/grid/medium_grid.h"
 #include "server/methods/march/dither.h"
@@ -46,9 +44,9 @@ uint32_t bandRows(glm::uvec2 size) {
 class March final : public Method {
 public:
     explicit March(const MethodContext& context)
-        : device_(context.device), features_(context.features), nodes_(context.device),
-          resolve_(context.device, {VK_SHADER_STAGE_COMPUTE_BIT, march_resolve_comp, "march_resolve"},
-                   {{gpu::kIdHasOpaque, features_.opaque}, {gpu::kIdHasFog, features_.fog}}) {}
+        : device_(context.device), nodes_(context.device), march_(context.device, march_comp, "march"),
+          blur_(context.device, bilateral_comp, "bilateral"),
+          resolve_(context.device, march_resolve_comp, "march_resolve") {}
 
     MethodNeeds needs() const override { return {.one_medium = true, .every_pixel = true}; }
 
@@ -120,7 +118,11 @@ private:
             glm::vec3 albedo;
             uint32_t samples, formula;
         } push{band, nodes_.grid(), in.medium->extent->albedo, settings.samples, settings.dither == kFormula};
-        marching(jitterOf(settings), in.medium->extent->one_albedo)
+        const uint32_t jitter = jitterOf(settings);
+        march_
+            .with(constantsOf(shared.features), {{gpu::kIdOneAlbedo, in.medium->extent->one_albedo},
+                                                 {gpu::kIdLightsAtSample, jitter != gpu::kJitterOpacity},
+                                                 {gpu::kIdJitter, jitter}})
             .bind(commands, in.resources,
                   {gpu::storageBuffer("Nodes", nodes_.nodes()), gpu::storageBuffer("Seen", seen_),
                    gpu::storageBuffer("Ends", ends_), gpu::storageBuffer("Marks", nodes_.marks()),
@@ -133,7 +135,7 @@ private:
     void recordBlur(gpu::Commands& commands, const EyeInputs& in, const gpu::MarchBand& band, uint32_t blur) {
         const gpu::Commands::Pass pass(commands, "bilateral", in.view);
         for (const bool down : {false, true}) {
-            blurring(blur, down)
+            blur_.with({{gpu::kIdBlur, blur}, {gpu::kIdDown, down}})
                 .bind(commands,
                       {gpu::storageBuffer("Ends", ends_), gpu::storageBuffer("From", down ? blurred_ : seen_),
                        gpu::storageBuffer("To", down ? seen_ : blurred_)},
@@ -152,42 +154,15 @@ private:
             gpu::MarchBand band;
             glm::uvec2 rows;
         } push{band, rows};
-        resolve_.bind(commands, in.resources, {gpu::storageBuffer("Seen", seen_), gpu::storageBuffer("Ends", ends_)},
-                      push);
+        resolve_.with(constantsOf(in.shared->features))
+            .bind(commands, in.resources, {gpu::storageBuffer("Seen", seen_), gpu::storageBuffer("Ends", ends_)}, push);
         vkCmdDispatch(commands.handle(), gpu::groups(in.size.width, 16), gpu::groups(rows.y - rows.x, 4), 1);
         gpu::computeToCompute(commands.handle());
     }
 
-    const gpu::ComputeProgram& marching(uint32_t jitter, bool one_albedo) {
-        gpu::ComputeProgram& made = marching_[{jitter, one_albedo}];
-        if (!made)
-            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, march_comp, "march"},
-                                       {{gpu::kIdHasOpaque, features_.opaque},
-                                        {gpu::kIdHasCasters, features_.casters},
-                                        {gpu::kIdHasMeshes, features_.meshes},
-                                        {gpu::kIdHasAmbient, features_.ambient},
-                                        {gpu::kIdHasFog, features_.fog},
-                                        {gpu::kIdHasGlow, features_.glow},
-                                        {gpu::kIdHasLocalLights, features_.local_lights},
-                                        {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdLightsAtSample, jitter != gpu::kJitterOpacity},
-                                        {gpu::kIdJitter, jitter}});
-        return made;
-    }
-
-    const gpu::ComputeProgram& blurring(uint32_t blur, bool down) {
-        gpu::ComputeProgram& made = blurring_[{blur, down}];
-        if (!made)
-            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, bilateral_comp, "bilateral"},
-                                       {{gpu::kIdBlur, blur}, {gpu::kIdDown, down}});
-        return made;
-    }
-
     const gpu::Device& device_;
-    const SceneFeatures features_;
     GridPass nodes_;
-    gpu::ComputeProgram resolve_;
-    std::map<std::tuple<uint32_t, bool>, gpu::ComputeProgram> marching_, blurring_;
+    gpu::Variants march_, blur_, resolve_;
     gpu::Buffer seen_, blurred_; // vec4[row][column]: light, opacity
     gpu::Buffer ends_;           // float[row][column]: m of view depth
     gpu::Buffer pattern_;        // float[row][column]: ditherTable()

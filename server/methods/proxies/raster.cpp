@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "server/gpu/program.h"
+#include "server/inputs/constants.h"
 #include "server/methods/proxies/furthest_depths.h"
 
 namespace brume {
@@ -12,20 +12,11 @@ namespace {
 class Raster : public Method {
 public:
     Raster(const MethodContext& context, RasterInfo info)
-        : device_(context.device), order_(context.depth_order), info_(std::move(info)) {
-        gpu::GraphicsInfo graphics;
-        graphics.topology = info_.topology;
+        : device_(context.device), order_(context.depth_order), info_(std::move(info)),
+          program_(device_, info_.shaders, {.topology = info_.topology}) {
         const SceneFeatures& f = context.features;
-        for (const bool may_be_cut : {false, true}) {
-            if (f.opaque && !may_be_cut) continue;
-            std::vector<gpu::SpecConstant> constants{{gpu::kIdHasOpaque, f.opaque},
-                                                     {gpu::kIdHasCasters, f.casters},
-                                                     {gpu::kIdHasLobe, f.lobe},
-                                                     {gpu::kIdHasAmbient, f.ambient},
-                                                     {gpu::kIdMayBeCut, may_be_cut}};
-            constants.insert(constants.end(), info_.constants.begin(), info_.constants.end());
-            programs_[may_be_cut] = gpu::GraphicsProgram(device_, info_.shaders, graphics, constants);
-        }
+        for (const bool may_be_cut : {false, true})
+            if (may_be_cut || !f.opaque) program(f, may_be_cut);
         if (f.opaque) furthest_.emplace(device_);
         mesh_ = info_.shaders.front().stage == VK_SHADER_STAGE_MESH_BIT_EXT;
     }
@@ -49,8 +40,8 @@ public:
             gpu::storageBuffer("Order", order_.order()), gpu::storageBuffer("Arguments", order_.arguments()),
             info_.maps ? gpu::storageBuffer("Maps", info_.maps) : in.resources.storage("Particles").as("Maps")};
         const glm::vec2 push = info_.push ? info_.push(*in.shared) : glm::vec2(0);
-        programs_[furthest_ || in.near_plane_cuts].bind(commands, in.resources, own,
-                                                        std::as_bytes(std::span(&push, info_.push ? 1 : 0)));
+        program(in.shared->features, furthest_ || in.near_plane_cuts)
+            .bind(commands, in.resources, own, std::as_bytes(std::span(&push, info_.push ? 1 : 0)));
         if (mesh_)
             device_.drawMeshTasksIndirect(cmd, order_.arguments().handle(), offsetof(gpu::DrawArguments, groups_x), 1,
                                           0);
@@ -61,11 +52,18 @@ public:
     }
 
 private:
+    // `may_be_cut`: true if an interval may be cut inside a particle.
+    const gpu::Program& program(const SceneFeatures& features, bool may_be_cut) {
+        gpu::Constants own(info_.constants.begin(), info_.constants.end());
+        own.push_back({gpu::kIdMayBeCut, may_be_cut});
+        return program_.with(constantsOf(features), own);
+    }
+
     const gpu::Device& device_;
     DepthOrder& order_;
     RasterInfo info_;
     std::optional<FurthestDepths> furthest_; // with objects
-    gpu::GraphicsProgram programs_[2];       // [1]: an interval may be cut inside a particle
+    gpu::Variants program_;
     bool mesh_ = false;
 };
 

@@ -99,6 +99,10 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
 
 } // namespace
 
+SlabRays::SlabRays(const MethodContext& context)
+    : device_(context.device), features_(context.features), ends_(device_, ray_ends_comp, "ray_ends"),
+      spline_(device_, slab_spline_comp, "slab_spline") {}
+
 std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
     group(eyes);
     fit(field_, most_.field * sizeof(float), "slab field");
@@ -217,17 +221,7 @@ void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {
 
 void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "ray ends", group.view());
-    program(ray_ends_comp, "ray_ends", variantOf(group.colours),
-            {{gpu::kIdHasCasters, features_.casters},
-             {gpu::kIdHasGlass, features_.glass},
-             {gpu::kIdHasMeshes, features_.meshes},
-             {gpu::kIdHasFog, features_.fog},
-             {gpu::kIdHasGlow, features_.glow},
-             {gpu::kIdHasLocalLights, features_.local_lights},
-             {gpu::kIdSunColours, group.colours.sun},
-             {gpu::kIdAmbientColours, group.colours.ambient},
-             {gpu::kIdMultipleColours, group.colours.multiple}})
-        .bind(commands, group.resources, {});
+    ends_.with(constantsOf(group)).bind(commands, group.resources, {});
     vkCmdDispatch(commands.handle(), group.most([](const gpu::View& v) { return v.grid.lines.x; }),
                   group.most([](const gpu::View& v) { return v.grid.lines.y; }), group.count());
     gpu::computeToCompute(commands.handle());
@@ -235,15 +229,7 @@ void SlabRays::recordEnds(gpu::Commands& commands, const ViewGroup& group) {
 
 void SlabRays::recordSpline(gpu::Commands& commands, const ViewGroup& group) {
     const gpu::Commands::Pass pass(commands, "spline", group.view());
-    program(slab_spline_comp, "slab_spline", variantOf(group.colours),
-            {{gpu::kIdHasOpaque, features_.opaque},
-             {gpu::kIdHasFog, features_.fog},
-             {gpu::kIdHasGlow, features_.glow},
-             {gpu::kIdHasLocalLights, features_.local_lights},
-             {gpu::kIdSunColours, group.colours.sun},
-             {gpu::kIdAmbientColours, group.colours.ambient},
-             {gpu::kIdMultipleColours, group.colours.multiple}})
-        .bind(commands, group.resources, {});
+    spline_.with(constantsOf(group)).bind(commands, group.resources, {});
     const uint32_t nodes = group.most([](const gpu::View& v) { return v.grid.nodes.x * v.grid.nodes.y; });
     vkCmdDispatch(commands.handle(), gpu::groups(nodes, 64), 1, group.count());
     gpu::computeToCompute(commands.handle());
@@ -299,13 +285,6 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
 void SlabRays::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
     buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, 256),
                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, name);
-}
-
-const gpu::ComputeProgram& SlabRays::program(std::span<const uint32_t> code, const char* name, uint32_t variant,
-                                             std::initializer_list<gpu::SpecConstant> constants) {
-    gpu::ComputeProgram& made = programs_[{code.data(), variant}];
-    if (!made) made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, code, name}, constants);
-    return made;
 }
 
 } // namespace brume

@@ -4,27 +4,21 @@
 // together.
 #pragma once
 
-#include <map>
-#include <utility>
-
-#include "server/gpu/program.h"
+#include "server/gpu/variants.h"
+#include "server/inputs/constants.h"
 #include "server/methods/method.h"
 
 namespace brume {
 
 class SlabRays : public Method {
 public:
-    explicit SlabRays(const MethodContext& context) : device_(context.device), features_(context.features) {}
+    explicit SlabRays(const MethodContext& context);
 
     MethodNeeds needs() const override { return {.draws = false}; }
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) final;
     void recordGroup(gpu::Commands& commands, const ViewGroup& group) final;
 
 protected:
-    // A number that differs between fields for which one method's shaders are compiled differently.
-    static uint32_t variantOf(const gpu::FieldColours& colours) {
-        return gpu::fieldQuantities(colours) * 3 + colours.model;
-    }
     static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
 
     // Elements of the buffers that gpu::View points into.
@@ -40,10 +34,6 @@ protected:
     virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
 
     void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
-    // A program, made when it is first asked for. `variant` differs between programs of one shader.
-    const gpu::ComputeProgram& program(std::span<const uint32_t> code, const char* name, uint32_t variant,
-                                       std::initializer_list<gpu::SpecConstant> constants);
-
     const gpu::Device& device_;
     const SceneFeatures features_;
     gpu::Buffer field_;
@@ -72,7 +62,7 @@ private:
     std::vector<size_t> firsts_; // of groups_, in views_
     gpu::Buffer views_buffer_;
     Room most_; // of all groups
-    std::map<std::pair<const uint32_t*, uint32_t>, gpu::ComputeProgram> programs_;
+    gpu::Variants ends_, spline_;
 };
 
 } // namespace brume

@@ -1,7 +1,6 @@
 // Method `slabs`: each eye adds all particles to slabs of a coarse grid of rays; their order does not matter.
 // The medium's band limit says how coarse. Passes: ends of the rays at objects, bins, slabs, slab light,
 // spline of the rays.
-#include "server/gpu/program.h"
 #include "server/methods/rays/line_bins.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/slab_bins_comp.h"
@@ -14,7 +13,8 @@ namespace {
 class Slabs : public SlabRays {
 public:
     explicit Slabs(const MethodContext& context)
-        : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}) {}
+        : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}),
+          slabs_(device_, slabs_comp, "slabs"), light_(device_, slab_light_comp, "slab_light") {}
 
 private:
     Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid) const override {
@@ -52,15 +52,7 @@ private:
             struct Push {
                 uint32_t sheets, quantities;
             } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(in)};
-            program(slabs_comp, "slabs", variantOf(group.colours),
-                    {{gpu::kIdSheet, group.views.front().grid.sheet},
-                     {gpu::kIdHasOpaque, features_.opaque},
-                     {gpu::kIdHasFog, features_.fog},
-                     {gpu::kIdHasGlow, features_.glow},
-                     {gpu::kIdHasLocalLights, features_.local_lights},
-                     {gpu::kIdSunColours, group.colours.sun},
-                     {gpu::kIdAmbientColours, group.colours.ambient},
-                     {gpu::kIdMultipleColours, group.colours.multiple}})
+            slabs_.with(constantsOf(group), {{gpu::kIdSheet, group.views.front().grid.sheet}})
                 .bind(commands, group.resources,
                       {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Added", added_),
                        gpu::storageBuffer("Bins", bins_)},
@@ -70,23 +62,14 @@ private:
         }
         {
             const gpu::Commands::Pass pass(commands, "slab light", group.view());
-            program(slab_light_comp, "slab_light", variantOf(group.colours),
-                    {{gpu::kIdHasOpaque, features_.opaque},
-                     {gpu::kIdHasFog, features_.fog},
-                     {gpu::kIdHasGlow, features_.glow},
-                     {gpu::kIdHasLocalLights, features_.local_lights},
-                     {gpu::kIdSunColours, group.colours.sun},
-                     {gpu::kIdAmbientColours, group.colours.ambient},
-                     {gpu::kIdMultipleColours, group.colours.multiple},
-                     {gpu::kIdScattering, group.colours.model},
-                     {gpu::kIdHasLobe, features_.lobe}})
-                .bind(commands, group.resources, {gpu::storageBuffer("Added", added_)});
+            light_.with(constantsOf(group)).bind(commands, group.resources, {gpu::storageBuffer("Added", added_)});
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }
     }
 
     gpu::ComputeProgram bins_program_;
+    gpu::Variants slabs_, light_;
     gpu::Buffer members_, bins_, added_;
 };
 

@@ -1,9 +1,6 @@
 // Method `tetrahedra`: interval shading of a mesh of tetrahedra (seed 000 section 6.2). Every pixel's ray walks from
 // neighbour to neighbour, so the order is right on every ray, and nothing is sorted.
-#include <map>
-#include <utility>
-
-#include "server/gpu/program.h"
+#include "server/inputs/constants.h"
 #include "server/inputs/multiple_block.h"
 #include "server/light/tetrahedra_buffers.h"
 #include "server/methods/method.h"
@@ -22,7 +19,7 @@ constexpr float kAgreesHard = 0.05f, kAgreesSoft = 0.3f;
 class TetrahedraMethod final : public Method {
 public:
     explicit TetrahedraMethod(const MethodContext& context)
-        : device_(context.device), features_(context.features), nodes_(context.settings.tetrahedra.nodes) {}
+        : program_(context.device, tetrahedra_comp, "tetrahedra"), nodes_(context.settings.tetrahedra.nodes) {}
 
     MethodNeeds needs() const override { return {.one_medium = true, .every_pixel = true}; }
 
@@ -36,7 +33,10 @@ public:
             float agrees;
         } push{in.medium->extent->albedo, shared.tetrahedra->faceCount(),
                shared.tetrahedra->isHard() ? kAgreesHard : kAgreesSoft};
-        program(in.medium->extent->one_albedo, scatteringOf(shared.tick->multiple))
+        program_
+            .with(constantsOf(shared.features), {{gpu::kIdOneAlbedo, in.medium->extent->one_albedo},
+                                                 {gpu::kIdSteps, nodes_},
+                                                 {gpu::kIdScattering, scatteringOf(shared.tick->multiple)}})
             .bind(commands, in.resources,
                   {storageBuffer("Cells", shared.tetrahedra->cells), storageBuffer("Faces", shared.tetrahedra->faces),
                    storageBuffer("FaceNodes", shared.tetrahedra->nodes)},
@@ -46,24 +46,8 @@ public:
     }
 
 private:
-    const gpu::ComputeProgram& program(bool one_albedo, uint32_t model) {
-        gpu::ComputeProgram& made = programs_[{one_albedo, model}];
-        if (!made)
-            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tetrahedra_comp, "tetrahedra"},
-                                       {{gpu::kIdHasOpaque, features_.opaque},
-                                        {gpu::kIdHasCasters, features_.casters},
-                                        {gpu::kIdHasLobe, features_.lobe},
-                                        {gpu::kIdHasAmbient, features_.ambient},
-                                        {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdSteps, nodes_},
-                                        {gpu::kIdScattering, model}});
-        return made;
-    }
-
-    const gpu::Device& device_;
-    const SceneFeatures features_;
+    gpu::Variants program_;
     const uint32_t nodes_;
-    std::map<std::pair<bool, uint32_t>, gpu::ComputeProgram> programs_; // by: all corners have one albedo; scattering
 };
 
 } // namespace

@@ -2,9 +2,8 @@
 // pixel. Quadrature `cached`: light is linear on every particle (light/particle_light.h). Quadrature `hermite`: it is
 // looked up in the shadow volume at two points of each.
 #include <algorithm>
-#include <map>
 
-#include "server/gpu/program.h"
+#include "server/inputs/constants.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
@@ -29,11 +28,12 @@ constexpr VkDeviceSize kMostMaskBytes = 64 << 20;
 class Tiles : public Method {
 public:
     explicit Tiles(const MethodContext& context)
-        : device_(context.device), order_(context.depth_order), features_(context.features),
-          cached_(context.settings.tiles.quadrature == "cached"), path_(context.settings.tiles.light == "path"),
+        : device_(context.device), order_(context.depth_order), cached_(context.settings.tiles.quadrature == "cached"),
+          path_(context.settings.tiles.light == "path"),
           project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"},
                    {{gpu::kIdCached, cached_}}),
-          bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}) {}
+          bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}),
+          tiles_(device_, tiles_comp, "tiles") {}
 
     MethodNeeds needs() const override { return {.particle_light = cached_, .union_path = cached_ && path_}; }
 
@@ -81,7 +81,14 @@ public:
             gpu::computeToCompute(cmd);
         }
         const gpu::Commands::Pass pass(commands, "medium", in.view);
-        program(features_.opaque || in.near_plane_cuts, in.medium->extent->one_albedo)
+        const uint32_t pixels = device_.isCpu() ? kPixelsPerLane : kPixelsPerLaneOfGpu;
+        tiles_
+            .with(constantsOf(in.shared->features),
+                  {{gpu::kIdMayBeCut, in.shared->features.opaque || in.near_plane_cuts},
+                   {gpu::kIdOneAlbedo, in.medium->extent->one_albedo},
+                   {gpu::kIdCached, cached_},
+                   {gpu::kIdPixelsPerLane, pixels},
+                   {gpu::kIdTileLanes, kTile.width * kTile.height / pixels}})
             .bind(commands, in.resources, {arguments, cones, splats, masks}, grid);
         vkCmdDispatch(cmd, gpu::groups(in.size.width, kTile.width), gpu::groups(in.size.height, kTile.height), 1);
         gpu::computeToCompute(cmd);
@@ -97,29 +104,11 @@ private:
         buffer = gpu::Buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, name);
     }
 
-    const gpu::ComputeProgram& program(bool may_be_cut, bool one_albedo) {
-        gpu::ComputeProgram& made = programs_[{may_be_cut, one_albedo}];
-        const uint32_t pixels = device_.isCpu() ? kPixelsPerLane : kPixelsPerLaneOfGpu;
-        if (!made)
-            made = gpu::ComputeProgram(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_comp, "tiles"},
-                                       {{gpu::kIdHasOpaque, features_.opaque},
-                                        {gpu::kIdHasCasters, features_.casters},
-                                        {gpu::kIdHasLobe, features_.lobe},
-                                        {gpu::kIdHasAmbient, features_.ambient},
-                                        {gpu::kIdMayBeCut, may_be_cut},
-                                        {gpu::kIdOneAlbedo, one_albedo},
-                                        {gpu::kIdCached, cached_},
-                                        {gpu::kIdPixelsPerLane, pixels},
-                                        {gpu::kIdTileLanes, kTile.width * kTile.height / pixels}});
-        return made;
-    }
-
     const gpu::Device& device_;
     DepthOrder& order_;
-    const SceneFeatures features_;
     const bool cached_, path_;
     gpu::ComputeProgram project_, bin_;
-    std::map<std::pair<bool, bool>, gpu::ComputeProgram> programs_; // by: the near plane may cut, one albedo
+    gpu::Variants tiles_;
     gpu::Buffer splats_, cones_, masks_;
     VkExtent2D block_ = kBlock;
 };
