@@ -1,6 +1,7 @@
 // One picture that is asked for.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -20,5 +21,12 @@ struct EyeRequest {
     uint32_t show = gpu::kShowPicture;      // what is drawn in place of the picture
     std::span<const gpu::ErrorDisc> errors; // for gpu::kShowError; valid until the submission
 };
+
+// Pixels of the largest picture.
+inline uint64_t mostPixels(std::span<const EyeRequest> eyes) {
+    uint64_t most = 0;
+    for (const EyeRequest& eye : eyes) most = std::max(most, uint64_t{eye.width} * eye.height);
+    return most;
+}
 
 } // namespace brume

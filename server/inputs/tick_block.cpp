@@ -10,7 +10,7 @@
 #include "server/inputs/multiple_block.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/union_block.h"
-#include "server/light/shadow_resolution.h"
+#include "server/medium/shadow_resolution.h"
 #include "shaders/shared/support.h"
 
 namespace brume {

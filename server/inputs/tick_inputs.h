@@ -13,7 +13,7 @@
 
 namespace brume {
 
-struct TetrahedraBuffers; // server/light/tetrahedra_buffers.h
+struct TetrahedraBuffers; // server/medium/tetrahedra_buffers.h
 
 struct TickInputs {
     const RenderSettings* settings = nullptr; // in use: every choice is made
@@ -22,6 +22,7 @@ struct TickInputs {
     std::span<const gpu::LocalLight> lights;  // all points and spots, on the CPU
     Bounds3 objects_bounds;                   // bounds of boxes, spheres and meshes, m
     uint64_t objects_version = 0;             // a number that changes whenever an object does
+    uint64_t sun_depth_version = 0;           // and one that changes whenever the depths of shadow_volume do
     uint32_t reflecting_count = 0;            // how many objects "Reflecting" has
     uint32_t bodies = 0;                      // number of boxes and spheres
     // For all passes, by the names that shaders give them:

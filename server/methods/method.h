@@ -9,20 +9,11 @@
 #include <vector>
 
 #include "server/gpu/commands.h"
+#include "server/inputs/method_needs.h"
 #include "server/inputs/scene_features.h"
 #include "server/inputs/view_group.h"
 
 namespace brume {
-
-// Facts about a method that decide what the renderer prepares for it.
-struct MethodNeeds {
-    bool particle_light = false; // True: it reads MediumView::light
-    bool union_path = false;     // True: and that is light behind the union of balls
-    bool one_medium = false;     // True: it reads particles in recordTick() only, so all eyes see the same list of them
-    bool draws = true; // True: it writes RenderTarget::radiance, and may be given every 2nd, 4th or 8th pixel only.
-                       // False: it makes a field that Compose samples
-    bool every_pixel = false; // True: it is given every pixel, whatever RenderSettings::rate says
-};
 
 // What shaders have counted. Not all methods count.
 struct LightWork {

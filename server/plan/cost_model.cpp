@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plain_file.h"
+#include "server/effects/effect_plan.h"
 #include "server/methods/plans.h"
 
 namespace brume {
@@ -20,16 +21,16 @@ namespace {
 // Version of the file. It grows when a pass is new, counts its work in another unit, or is timed otherwise.
 constexpr int kVersion = 12;
 
-constexpr const CostInfo* kCommon[] = {&costs::kUpload,          &costs::kShadowVolume, &costs::kTetrahedraShadow,
-                                       &costs::kParticleLight,   &costs::kOpaque,       &costs::kCompose,
-                                       &costs::kLocalLightDepth, &costs::kLocalLight,   &costs::kLitSurfaces,
-                                       &costs::kShafts,          &costs::kPropagation,  &costs::kGlass};
+constexpr const CostInfo* kCommon[] = {&costs::kUpload, &costs::kOpaque, &costs::kCompose};
 
 std::vector<const CostInfo*> collected() {
     std::vector<const CostInfo*> all(std::begin(kCommon), std::end(kCommon));
-    for (const MethodPlan* plan : methodPlans())
-        for (const CostInfo* cost : plan->costs())
+    const auto add = [&](std::span<const CostInfo* const> more) {
+        for (const CostInfo* cost : more)
             if (std::find(all.begin(), all.end(), cost) == all.end()) all.push_back(cost);
+    };
+    for (const EffectPlan* plan : effectPlans()) add(plan->costs());
+    for (const MethodPlan* plan : methodPlans()) add(plan->costs());
     if (all.size() > kMostCosts) throw std::logic_error("kMostCosts is below the number of passes");
     return all;
 }

@@ -17,27 +17,15 @@ struct CostInfo {
     double built_in;  // ns per unit, measured on lavapipe (Mesa 25.0, 256 bits), two threads of an AMD EPYC
 };
 
-// Passes that belong to no method, but for those that a frame seldom has: maps of what casts shadows are kept until the
-// sun or an object moves. `compose` is a cost of those methods that draw into a picture.
+// Passes that belong to no method and no effect. `compose` is a cost of those methods that draw into a picture.
 namespace costs {
-inline constexpr CostInfo kUpload{"upload", "upload", 38}; // particles
-// Particles x cells that they reach, plus the cells.
-inline constexpr CostInfo kShadowVolume{"shadow_volume", "shadow volume", 0.12};
-inline constexpr CostInfo kTetrahedraShadow{"tetrahedra_shadow", "tetrahedra shadow", 23}; // texels x tetrahedra behind
-inline constexpr CostInfo kParticleLight{"particle_light", "particle light", 130};         // particles
-inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};                                // pixels x (1 + objects)
-inline constexpr CostInfo kCompose{"compose", "compose", 11};                              // pixels
-// Of points and spots. Lights that particles dim x particles.
-inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000};
-inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60}; // ViewWork::localPieces()
-// Hues x channels x cells x iterations of all grids, with scattering = "propagation".
-inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
-inline constexpr CostInfo kGlass{"glass", "glass", 12};                // pixels x (1 + layers) x (1 + sheets)
-inline constexpr CostInfo kShafts{"shafts", "shafts", 11};             // pixels x (1 + ViewWork::shadowsMet())
-inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
+inline constexpr CostInfo kUpload{"upload", "upload", 38};    // particles
+inline constexpr CostInfo kOpaque{"opaque", "opaque", 7.3};   // pixels x (1 + objects)
+inline constexpr CostInfo kCompose{"compose", "compose", 11}; // pixels
 } // namespace costs
 
-// All costs: those above, then those of every method. numberOf() is the index in this list, in Work and in CostModel.
+// All costs: those above, then those of every effect and method. numberOf() is the index in this list, in Work and in
+// CostModel.
 std::span<const CostInfo* const> allCosts();
 size_t numberOf(const CostInfo& cost);
 inline constexpr size_t kMostCosts = 64;

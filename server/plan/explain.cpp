@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "server/effects/propagation/propagation_plan.h"
 #include "server/methods/plans.h"
 #include "server/plan/memory.h"
 #include "server/plan/plan.h"

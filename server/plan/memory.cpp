@@ -6,7 +6,6 @@
 
 #include "common/scene.h"
 #include "common/tetrahedra.h"
-#include "server/light/flux_sizes.h"
 #include "server/methods/plans.h"
 #include "server/sim/columns.h"
 #include "server/sim/simulation.h"
@@ -41,10 +40,6 @@ uint64_t deviceBytes() { // of one particle
 } // namespace
 
 ParticleMemory particleMemory(uint32_t count) { return {kCpu * count, deviceBytes() * count}; }
-
-uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues) {
-    return multiple.cells > 0 ? hues * fluxSizes(multiple.cells, multiple.channels).all() : 0;
-}
 
 ParticleMemory tetrahedraMemory(const Tetrahedra* mesh) {
     if (!mesh) return {};

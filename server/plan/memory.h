@@ -22,9 +22,6 @@ struct ParticleMemory {
 // Memory that does not grow with the count (pictures, shadow maps, fields of slabs) is left out.
 ParticleMemory particleMemory(uint32_t count);
 
-// Bytes on the device for scattering = "propagation"; 0 without it. `hues`: huesOf().
-uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues);
-
 // Bytes of the CPU's memory and of the device's for a mesh; nothing for null.
 ParticleMemory tetrahedraMemory(const Tetrahedra* mesh);
 

@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/phase_lobes.h"
+#include "server/effects/shadow_volume/shadow_volume_plan.h"
 #include "server/inputs/hues.h"
 #include "server/inputs/local_light_block.h"
 #include "server/inputs/tick_block.h"

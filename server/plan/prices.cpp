@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "server/effects/shadow_volume/shadow_volume_plan.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/effects/effect_plan.h"
 #include "server/inputs/eye_request.h"
-#include "server/inputs/glass_block.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "server/opaque/objects.h"
@@ -12,9 +12,6 @@
 
 namespace brume {
 namespace {
-
-constexpr double kComputed = 0.25;        // of the pixels, where their neighbours tell most of them
-constexpr double kPiecesWithoutSlabs = 6; // of a ray in a light's range
 
 // View depths between which the medium lies before the eye, m.
 struct Depths {
@@ -84,43 +81,8 @@ double groupsOf(uint32_t count, uint32_t size) { return std::ceil(double(count) 
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings) {
     Work work;
     work[costs::kUpload] = scene.particles;
-    const auto dimmed = std::ranges::count_if(scene.local_lights, [](const auto& light) { return light.shadows != 0; });
-    work[costs::kLocalLightDepth] = double(dimmed) * scene.particles;
-    if (const gpu::Multiple& multiple = scene.tick.multiple; multiple.cells > 0) {
-        const double cells =
-            std::pow(multiple.cells, 3.0); // the next grids have 1/8 and 1/64, and 2 and 4 times the steps
-        work[costs::kPropagation] =
-            double(scene.hues) * multiple.channels * cells * settings.propagation.iterations * (1 + 2.0 / 8 + 4.0 / 64);
-        // A part of a surface, whatever the channels, takes half as long as a step of a cell. Cells of the second grid,
-        // an eighth, have them; of a box one and a half faces are seen and lit, by and large.
-        const uint32_t planes = scene.tick.plane_count, bodies = scene.tick.opaque_count - planes;
-        const double surfaces = (planes > 0 ? 1 : 0) + 1.5 * std::min(bodies, kMostReflecting);
-        work[costs::kPropagation] +=
-            0.5 * scene.hues * cells / 8 * std::pow(settings.propagation.surface_parts, 2.0) * surfaces;
-    }
     planOf(settings.method)->addSharedWork(scene, settings, work);
-    return work;
-}
-
-Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow) {
-    Work work;
-    const ShadowResolution& map = shadow.resolution;
-    const glm::vec3 size = scene.tick.map.hi - scene.tick.map.lo;
-    const glm::vec3 cell = size / glm::vec3(glm::vec2(map.texels), float(std::max(map.slices, 2u) - 1));
-    if (scene.features.tetrahedra) {
-        work[costs::kTetrahedraShadow] = double(map.texels.x) * map.texels.y * tetrahedraOnRay(scene.particles);
-        return work;
-    }
-    double touched = 0;
-    for (const gpu::Particle& p : scene.sample) {
-        const double reach = 2 * scene.support(p);
-        if (reach <= 0) continue;
-        // In tiles of 8x8 texels and groups of planes: half a tile on either side besides.
-        touched += std::min(reach / double(cell.x) + 8, double(map.texels.x)) *
-                   std::min(reach / double(cell.y) + 8, double(map.texels.y)) *
-                   std::min(reach / double(cell.z) + 6, double(map.slices));
-    }
-    work[costs::kShadowVolume] = touched * scene.weight() + 4.0 * map.texels.x * map.texels.y * map.slices;
+    for (const EffectPlan* effect : effectPlans()) effect->addSharedWork(scene, settings, work);
     return work;
 }
 
@@ -138,7 +100,6 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     : scene_(scene), view_(view), width_(view.width), height_(view.height) {
     const Frustum frustum = frustumOf(view.pose, view.width, view.height);
     pixel_ = pixelOf(frustum, view.height);
-    layers_ = glassLayers(scene.glasses, view.pose, frustum);
     const glm::mat3 axes = glm::mat3_cast(view.pose.orientation);
     const auto inView = [&](glm::vec3 x) { // right, down, view depth
         const glm::vec3 d = x - view.pose.position;
@@ -175,27 +136,10 @@ const ShownMedium& ViewWork::shown() const {
 
 Work ViewWork::of(const RenderSettings& settings) const {
     Work work;
-    const MethodPlan& method = *planOf(settings.method);
-    method.addViewWork(*this, settings, work);
-    if (scene_.features.glass) addLayers(method.hasRays(), work);
+    planOf(settings.method)->addViewWork(*this, settings, work);
+    for (const EffectPlan* effect : effectPlans()) effect->addViewWork(*this, settings, work);
     work *= scene_.hues;
     return work;
-}
-
-// Methods with rays make their field once, and it is looked up for each layer. Others draw the medium again: at most
-// all of it, since a layer ends at its sheet.
-void ViewWork::addLayers(bool has_rays, Work& work) const {
-    Work layer = work;
-    for (const CostInfo* cost : allCosts()) {
-        const std::string_view pass = cost->pass;
-        const bool of_field = pass == "compose" || pass == "shafts" || cost == &costs::kLocalLight,
-                   once = pass == "opaque" || pass == "cull, sort" || pass == "compose";
-        if (has_rays ? !of_field : once) layer[*cost] = 0;
-    }
-    layer *= layers_;
-    work += layer;
-    if (has_rays) work[costs::kCompose] += pixels(); // a field's picture
-    if (layers_ > 0) work[costs::kGlass] += pixels() * (1 + layers_) * (1 + double(scene_.glasses.size()));
 }
 
 bool ViewWork::inside() const { return near_ <= double(kNearDepth); }
@@ -206,12 +150,6 @@ double ViewWork::raySpacing(uint32_t rate) const {
 
 double ViewWork::slabThickness(uint32_t slabs) const {
     return (far_ - near_) / (slabs * double(scene_.extent.deviation));
-}
-
-double ViewWork::localPieces(const RenderSettings& settings) const {
-    const bool particles = scene_.particles > 0;
-    const bool coarse = pixelStep(settings.shading, settings.rate, particles) > 1;
-    return lit_pixels_ * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
 }
 
 double ViewWork::shadowsMet() const {

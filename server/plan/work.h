@@ -11,8 +11,8 @@
 #include "common/camera.h"
 #include "common/scene.h"
 #include "server/inputs/tick_block.h"
-#include "server/light/shadow_resolution.h"
 #include "server/medium/extent.h"
+#include "server/medium/shadow_resolution.h"
 #include "server/plan/cost_model.h"
 #include "server/plan/medium_sample.h"
 #include "server/plan/shown.h"
@@ -88,8 +88,8 @@ private:
     std::array<double, kMostCosts> units_{};
 };
 
-// Work once per tick for all viewers: of the volumetric shadow map, and of all other shared passes.
-Work shadowWork(const PlanScene& scene, const PlanScene::Shadow& shadow);
+// Work once per tick for all viewers, without that of the volumetric shadow map: shadowWork() has it
+// (effects/shadow_volume/shadow_volume_plan.h).
 Work sharedWork(const PlanScene& scene, const RenderSettings& settings);
 
 // True: the eye is in the medium's bounds.
@@ -107,6 +107,7 @@ public:
     Work of(const RenderSettings& settings) const;
 
     const PlanScene& scene() const { return scene_; }
+    const PlanView& view() const { return view_; }
     glm::vec3 eye() const { return view_.pose.position; }
     uint32_t width() const { return width_; } // pixels
     uint32_t height() const { return height_; }
@@ -126,8 +127,6 @@ public:
     double litPixels() const { return lit_pixels_; }
     // Shadows of objects that a pixel's ray meets in the medium, on the mean.
     double shadowsMet() const;
-    // The pieces that these pixels' rays are cut into: at cones and fogs, and at the slabs of particles.
-    double localPieces(const RenderSettings& settings) const;
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
     double fragments(double part_of_box) const;
 
@@ -139,14 +138,10 @@ public:
     std::span<const Seen> seen() const { return seen_; }
 
 private:
-    // Adds what the layers between sheets of glass take: passes of the medium that run again for each.
-    void addLayers(bool has_rays, Work& work) const;
-
     const PlanScene& scene_;
     PlanView view_;
     uint32_t width_, height_;
     double pixel_, near_, far_, lit_pixels_ = 0;
-    uint32_t layers_ = 0; // glassLayers()
     std::vector<Seen> seen_;
     mutable std::optional<ShownMedium> shown_;
 };

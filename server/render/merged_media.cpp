@@ -40,7 +40,6 @@ MergedMedia::Medium& MergedMedia::merged(std::span<const gpu::Particle> ordered,
     mergeCells(ordered, falloff, exponent, medium.list);
     medium.worth = medium.list.size() < ordered.size() / 4 * 3;
     medium.fresh = medium.worth;
-    if (medium.light) medium.light->invalidate();
     return medium;
 }
 
@@ -72,11 +71,6 @@ void MergedMedia::record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDevi
         vkCmdCopyBuffer(cmd, through.handle(), medium->particles.handle(), 1, &copy);
         at += copy.size;
     }
-}
-
-void MergedMedia::invalidateLight() {
-    for (const auto& medium : all_)
-        if (medium->light) medium->light->invalidate();
 }
 
 uint64_t MergedMedia::cpuBytes() const {

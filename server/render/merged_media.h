@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "server/gpu/resource.h"
 #include "server/inputs/eye_request.h"
 #include "server/inputs/medium_view.h"
-#include "server/light/particle_light.h"
 #include "server/medium/levels.h"
 
 namespace brume {
@@ -17,18 +17,17 @@ class MergedMedia {
 public:
     struct Medium {
         std::vector<gpu::Particle> list;
-        gpu::Buffer particles;                // the list on the device
-        gpu::Tick tick{};                     // the scene's, with this list's particle_count
-        MediumExtent extent;                  // of the list
-        std::unique_ptr<ParticleLight> light; // made when a method needs it
-        MediumView view;                      // of all that; set by TickUpload
+        gpu::Buffer particles;   // the list on the device
+        gpu::Tick tick{};        // the scene's, with this list's particle_count
+        MediumExtent extent;     // of the list
+        MediumView view;         // of all that; set by TickUpload
+        int exponent = kNoLevel; // of the cells
 
     private:
         friend class MergedMedia;
-        int exponent = kNoLevel; // of the cells
-        bool wanted = false;     // True: an eye of this submission sees it
-        bool fresh = false;      // True: it is not on the device yet
-        bool worth = false;      // True: it has fewer than three quarters of the particles
+        bool wanted = false; // True: an eye of this submission sees it
+        bool fresh = false;  // True: it is not on the device yet
+        bool worth = false;  // True: it has fewer than three quarters of the particles
     };
 
     // Chooses each eye's level: none for an eye that is near, or for which merging would save little. `ordered`: the
@@ -43,7 +42,6 @@ public:
     void write(const gpu::Device& device, const gpu::Buffer& through, VkDeviceSize at);
     void record(VkCommandBuffer cmd, const gpu::Buffer& through, VkDeviceSize at) const;
 
-    void invalidateLight(); // for when the shadows have changed
     uint64_t cpuBytes() const;
 
 private:

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "common/phase_lobes.h"
+#include "server/effects/effect_plan.h"
 #include "server/inputs/eye_block.h"
-#include "server/inputs/local_light_block.h"
 #include "server/inputs/tick_block.h"
 
 namespace brume {
@@ -20,13 +20,9 @@ bool staysTheSame(Layout layout) {
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capacity, const SceneFeatures& besides)
     : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
-      upload_(device, capacity), shadow_volume_(device, capacity), opaque_shadow_(device), mesh_shadow_(device),
-      particle_light_(device, capacity),
-      union_path_(device), propagation_{Propagation(device), Propagation(device), Propagation(device)},
-      local_lights_(device), surfaces_(device, objects_.counts(), !scene.triangles.empty()), shafts_(device),
-      depth_order_(device, capacity), compose_(device), glass_(device, scene.glasses), probe_(device), cells_(device),
-      linear_(device, VK_FILTER_LINEAR), nearest_(device, VK_FILTER_NEAREST), targets_(device),
-      coarse_targets_(device) {
+      upload_(device, capacity), effects_(makeEffects({device, scene_, capacity})),
+      surfaces_(device, objects_.counts(), !scene.triangles.empty()), depth_order_(device, capacity), compose_(device),
+      probe_(device), cells_(device), nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {
     if (scene.tetrahedra) tetrahedra_.emplace(device, scene.tetrahedra);
 }
 
@@ -42,10 +38,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     if (lists_) leaveOut(now_, *lists_);
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
     hues_ = huesOf(now_, simulation.liveCount());
-    if (objects_.follow(scene_, now_.lists)) {
-        opaque_shadow_.invalidate();
-        invalidateParticleLight();
-    }
+    objects_.follow(scene_, now_.lists);
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium || needs.union_path) now_.render.merge = 0;
@@ -56,24 +49,27 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     if (tetrahedra_ && upload_.moved()) tetrahedra_->follow(upload_.list());
-    writeLocalLights(s, eyes);
-    const bool behind_balls = (features_.balls && features_.opaque) || needs.union_path;
-    if (behind_balls) {
-        if (hues_.size() > 1) union_path_.invalidate();
-        union_path_.prepare(simulation, now_, upload_.tick(), upload_.all().version, objects_.version());
-    }
     surfaces_.prepare(eyes, objects_.counts(), objects_.all());
-    glass_.prepare(features_.glass ? eyes : std::span<const EyeRequest>());
-    shafts_.prepare(features_.casters ? eyes : std::span<const EyeRequest>());
-    gatherTick(s);
+    gatherTick();
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks, hues_, shared_.resources);
+    EffectInputs in{.simulation = simulation,
+                    .now = now_,
+                    .eyes = eyes,
+                    .objects = objects_.all(),
+                    .extent = upload_.extent(),
+                    .needs = needs,
+                    .hues = uint32_t(hues_.size()),
+                    .moved = upload_.moved(),
+                    .all = upload_.all(),
+                    .seen = upload_.seenBy(eyes.size())};
+    for (const auto& effect : effects_) effect->prepare(in, shared_);
 
     targets_.fit(drawsCoarsely() ? eyes : drawn_);
     if (drawsCoarsely()) coarse_targets_.fit(drawn_);
     const VkCommandBuffer cmd = s.commands.begin();
     upload_.record(s.commands, s.particles_);
-    recordLight(s);
+    for (const auto& effect : effects_) effect->recordTick(s.commands, in, shared_);
 
     gatherEyes(blocks, eyes);
     s.uniforms_.flush();
@@ -84,23 +80,16 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const ViewGroup& group : groups) {
         for (uint32_t hue = 0; hue < hues_.size(); ++hue) {
             if (hues_.size() > 1) gpu::everythingBefore(cmd); // the hue before has used the same buffers and images
-            upload_.enter(blocks, hue);
             shared_.again = hue > 0;
-            enterHue(hue);
-            if (behind_balls && !before) union_path_.record(s.commands, upload_.all());
-            if (shared_.tick->multiple.cells > 0) {
-                propagation_[hue].record(s.commands, shared_, upload_.all());
-                shared_.resources.give(gpu::sampledImage("fluence", propagation_[hue].image(), linear_));
+            if (!before) {
+                upload_.enter(blocks, hue);
+                enterHue(hue);
+                for (const auto& effect : effects_) effect->recordHue(s.commands, in, shared_);
             }
-            if (needs.particle_light && !before) recordParticleLight(s.commands, needs);
             recordGroup(s, method, group, before);
             if (hues_.size() > 1 && compose_.keepsRadiance()) keepHue(s.commands, group, hue);
         }
         if (hues_.size() == 1) before = group.any;
-    }
-    if (hues_.size() > 1) { // it is that of the last hue
-        invalidateParticleLight();
-        union_path_.invalidate();
     }
     recordReadBack(s);
     s.commands.submit();
@@ -108,7 +97,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
 }
 
 uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features) {
-    const uint64_t of_pixel = Targets::kBytesOfPixel + lightBytesOfPixel(features);
+    uint64_t of_pixel = Targets::kBytesOfPixel;
+    for (const EffectPlan* effect : effectPlans()) of_pixel += effect->bytesOfPixel(features);
     uint64_t planes = 0, target = 0;
     for (const EyeRequest& eye : eyes) {
         planes += PlaneLayout{eye.width, eye.height, full}.bytes();
@@ -117,16 +107,29 @@ uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, con
     return planes + target;
 }
 
+uint64_t Renderer::mostBytesOfPixel(const SceneFeatures& features) {
+    uint64_t bytes = Targets::kBytesOfPixel * 5 / 4 + 8 / 4;
+    for (const EffectPlan* effect : effectPlans()) bytes += effect->mostBytesOfPixel(features);
+    return bytes;
+}
+
+uint64_t Renderer::pictureBytes() const {
+    uint64_t bytes = targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes();
+    for (const auto& effect : effects_) bytes += effect->pictureBytes();
+    return bytes;
+}
+
+void Renderer::forget() {
+    upload_.forget();
+    for (const auto& effect : effects_) effect->forget();
+}
+
 void Renderer::giveBack() {
     countLightWork();
     methods_.clear();
     planes_ = {};
     compose_.giveBack();
-    local_lights_.giveBack();
-    shafts_.giveBack();
-    glass_.giveBack();
-    union_path_.giveBack();
-    for (Propagation& hue : propagation_) hue.giveBack();
+    for (const auto& effect : effects_) effect->giveBack();
     targets_.giveBack();
     coarse_targets_.giveBack();
 }
@@ -199,76 +202,11 @@ void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool
                          VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance of a hue");
 }
 
-void Renderer::writeLocalLights(Submission& s, std::span<const EyeRequest> eyes) {
-    light_blocks_.clear();
-    uint32_t volumes = 0;
-    const uint32_t particles = upload_.tick().particle_count;
-    const auto dimmed = uint32_t(std::ranges::count_if(now_.lists.lights, &Light::shadows));
-    for (const Light& light : now_.lists.lights) {
-        gpu::LocalLight& block = light_blocks_.emplace_back(localLightBlock(light));
-        if (particles > 0 && light.shadows) volumes += setVolume(block, upload_.extent(), particles, dimmed, volumes);
-    }
-    s.local_lights_.atLeast(device_, std::max<size_t>(light_blocks_.size(), 1) * sizeof(gpu::LocalLight),
-                            VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
-    std::ranges::copy(light_blocks_, s.local_lights_.mapped<gpu::LocalLight>(light_blocks_.size()).begin());
-    s.local_lights_.flush();
-    local_lights_.prepare(features_.local_lights ? eyes : std::span<const EyeRequest>(), uint32_t(light_blocks_.size()),
-                          volumes);
-}
-
-// Records the shadow maps and the depths toward local lights, of all hues, since depths are as the extinction; and
-// gives them to all passes.
-void Renderer::recordLight(Submission& s) {
-    const MediumView& all = upload_.all();
-    opaque_shadow_.record(s.commands, all.resources, upload_.tick(), objects_.all());
-    mesh_shadow_.record(s.commands, all.resources, upload_.tick());
-    if (shadow_volume_.record(s.commands, all.resources, upload_.tick(), !upload_.moved(),
-                              tetrahedra_ ? &*tetrahedra_ : nullptr)) {
-        invalidateParticleLight();
-        for (Propagation& hue : propagation_) hue.invalidate();
-    }
-    local_lights_.recordDepths(s.commands, all, light_blocks_);
-    for (const gpu::Resource& map :
-         {gpu::sampledImage("shadow_volume", shadow_volume_.image(), linear_),
-          gpu::sampledImage("fluence", shadow_volume_.image(), linear_), // until there is light that scatters on
-          gpu::sampledImage("opaque_shadow", opaque_shadow_.image(), nearest_),
-          gpu::sampledImage("mesh_heights", mesh_shadow_.heights(), nearest_),
-          gpu::storageBuffer("MeshPyramid", mesh_shadow_.pyramid())})
-        shared_.resources.give(map);
-}
-
-void Renderer::invalidateParticleLight() {
-    particle_light_.invalidate();
-    upload_.invalidateLight();
-}
-
-// Records the light cached on the particles of every list that some eye sees.
-void Renderer::recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs) {
-    MediumView& all = upload_.all();
-    if (needs.union_path) {
-        all.resources.give(gpu::storageBuffer("ParticleLights", union_path_.lights()));
-        return;
-    }
-    if (hues_.size() > 1) invalidateParticleLight();
-    const auto record = [&](ParticleLight& light, MediumView& medium) {
-        light.record(commands, medium.resources, medium.count, now_.render.tiles.light_tolerance);
-        medium.resources.give(gpu::storageBuffer("ParticleLights", light.buffer()));
-    };
-    bool seen = false; // True: some eye sees the full list, not a level of detail
-    for (size_t i = 0; i < views_.size(); ++i) seen = seen || &upload_.of(i) == &all;
-    if (seen) record(particle_light_, all);
-    for (MergedMedia::Medium* level : upload_.levels()) {
-        if (!level->light) level->light = std::make_unique<ParticleLight>(device_, upload_.capacity());
-        record(*level->light, level->view);
-    }
-}
-
-// What all eyes share, but for the maps of light.
-void Renderer::gatherTick(const Submission& s) {
+// What all eyes share, but for what effects give.
+void Renderer::gatherTick() {
     shared_ = {.settings = &now_.render,
                .number = tick_number_,
                .tick = &upload_.tick(),
-               .lights = light_blocks_,
                .objects_bounds = objects_.bounds(),
                .objects_version = objects_.version(),
                .reflecting_count = objects_.reflectingCount(),
@@ -281,18 +219,10 @@ void Renderer::gatherTick(const Submission& s) {
                .tetrahedra = tetrahedra_ ? &*tetrahedra_ : nullptr,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     shared_.objects_bounds.add(meshes_.bounds);
-    const auto orObjects = [&](const gpu::Buffer& buffer) -> const gpu::Buffer& { // without balls it is not read
-        return buffer ? buffer : objects_.objects();
-    };
     for (const gpu::Resource& one :
          {gpu::storageBuffer("Objects", objects_.objects()), gpu::storageBuffer("ObjectNodes", objects_.nodes()),
           gpu::storageBuffer("Reflecting", objects_.reflecting()), gpu::storageBuffer("Triangles", meshes_.triangles),
-          gpu::storageBuffer("MeshNodes", meshes_.nodes), gpu::storageBuffer("LocalLights", s.local_lights_),
-          gpu::storageBuffer("LightBits", local_lights_.bits()),
-          gpu::storageBuffer("LightDepths", local_lights_.depths()),
-          gpu::storageBuffer("LitByLocalLights", local_lights_.lit()), gpu::storageBuffer("Sunlit", shafts_.sunlit()),
-          gpu::storageBuffer("UnionBits", orObjects(union_path_.bins())),
-          gpu::storageBuffer("UnionLights", orObjects(union_path_.lights())), gpu::storageBuffer("Planes", planes_)})
+          gpu::storageBuffer("MeshNodes", meshes_.nodes), gpu::storageBuffer("Planes", planes_)})
         shared_.resources.give(one);
 }
 

@@ -7,24 +7,16 @@
 #include <span>
 #include <vector>
 
-#include "server/light/local_lights.h"
-#include "server/light/particle_light.h"
-#include "server/light/propagation.h"
-#include "server/light/shadow_volume.h"
-#include "server/light/tetrahedra_buffers.h"
-#include "server/light/union_path.h"
+#include "server/effects/effect.h"
+#include "server/medium/tetrahedra_buffers.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
 #include "server/opaque/mesh_buffers.h"
-#include "server/opaque/mesh_shadow.h"
 #include "server/opaque/object_buffers.h"
-#include "server/opaque/shadow_map.h"
-#include "server/opaque/shafts.h"
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
-#include "server/render/glass_layers.h"
 #include "server/render/picture.h"
 #include "server/render/probe.h"
 #include "server/render/targets.h"
@@ -55,7 +47,7 @@ public:
 
 private:
     friend class Renderer;
-    gpu::Buffer particles_, uniforms_, local_lights_, planes_;
+    gpu::Buffer particles_, uniforms_, planes_;
     std::vector<PictureView> pictures_;
 };
 
@@ -87,16 +79,10 @@ public:
     uint64_t particleBytes() const { return upload_.cpuBytes(); }
     // Bytes on the device whose number depends on the pictures' sizes, without the methods' fields and a submission's
     // own.
-    uint64_t pictureBytes() const {
-        return targets_.bytes() + coarse_targets_.bytes() + planes_.size() + compose_.pictureBytes() +
-               shafts_.pictureBytes() + local_lights_.pictureBytes() + glass_.pictureBytes();
-    }
+    uint64_t pictureBytes() const;
     // Bytes of a pixel of the largest picture, besides its planes: its target, a coarse target with a quarter of the
     // pixels, a shaded node of eight bytes for a quarter of them, and light that is kept for each pixel.
-    static uint64_t mostBytesOfPixel(const SceneFeatures& features) {
-        return Targets::kBytesOfPixel * 5 / 4 + 8 / 4 + lightBytesOfPixel(features) +
-               (features.local_lights ? LocalLights::kMostBytesOfBins : 0);
-    }
+    static uint64_t mostBytesOfPixel(const SceneFeatures& features);
     // Bytes of pictureBytes() that pictures of `eyes` need at least, however they are drawn. `full` as for submit().
     static uint64_t pictureBytes(std::span<const EyeRequest> eyes, bool full, const SceneFeatures& features);
     // Frees the memory of pictures and of methods; pipelines stay. Precondition: nothing is on the device.
@@ -109,7 +95,7 @@ public:
     size_t methodsKept() const { return methods_.size(); }
 
     // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
-    void forget() { upload_.forget(), union_path_.invalidate(); }
+    void forget();
 
     // For tests that go through many methods: keeps up to `most` compiled, at least 1, instead of two.
     void keepMethods(size_t most) { most_methods_ = most; }
@@ -120,21 +106,13 @@ public:
     std::vector<glm::vec4> readRadiance();
 
 private:
-    static uint64_t lightBytesOfPixel(const SceneFeatures& features) {
-        return (features.casters ? Shafts::kBytesOfPixel : 0) + (features.glass ? GlassLayers::kBytesOfPixel : 0) +
-               (features.local_lights ? LocalLights::kBytesOfPixel : 0);
-    }
     Method& methodFor(const RenderSettings& settings);
     uint32_t drawingStep(const MethodNeeds& needs) const;
     bool hasMedium() { return !upload_.all().empty() || features_.fog; }
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
-    void writeLocalLights(Submission& submission, std::span<const EyeRequest> eyes);
-    void recordLight(Submission& submission);
-    void recordParticleLight(gpu::Commands& commands, const MethodNeeds& needs);
-    void invalidateParticleLight();
-    void gatherTick(const Submission& submission);
+    void gatherTick();
     void gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
@@ -155,21 +133,13 @@ private:
     const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
     TickUpload upload_;
     std::optional<TetrahedraBuffers> tetrahedra_; // of a medium of them
-    ShadowVolume shadow_volume_;
-    OpaqueShadow opaque_shadow_;
-    MeshShadow mesh_shadow_;
-    ParticleLight particle_light_;
-    UnionPath union_path_;
-    std::array<Propagation, 3> propagation_; // of each hue
-    LocalLights local_lights_;
+    const Effects effects_;
     Surfaces surfaces_;
-    Shafts shafts_;
     DepthOrder depth_order_;
     Compose compose_;
-    GlassLayers glass_;
     Probe probe_;
     DrawnCells cells_;
-    gpu::Sampler linear_, nearest_;
+    gpu::Sampler nearest_;
     gpu::Buffer planes_;
     Targets targets_, coarse_targets_;
 
@@ -189,7 +159,6 @@ private:
     uint64_t tick_number_ = 0;
     SceneFeatures features_;
     std::vector<Hue> hues_;
-    std::vector<gpu::LocalLight> light_blocks_;
     uint32_t step_ = 1;             // one pixel is drawn for step_ x step_ of the finished pictures
     std::vector<EyeRequest> drawn_; // the pixels that are drawn: all, or every step_-th
     std::vector<gpu::View> views_;  // the finished pictures

@@ -1,4 +1,6 @@
 // Renderer: the passes of one group of views.
+#include <algorithm>
+
 #include "server/render/renderer.h"
 
 namespace brume {
@@ -7,7 +9,7 @@ namespace brume {
 void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group, const EyeInputs* before) {
     targets_.use(s.commands.handle(), *group.any->target);
     if (needsSurfaces(group, before)) {
-        if (features_.local_lights) local_lights_.recordBins(s.commands, *group.any);
+        for (const auto& effect : effects_) effect->recordEye(s.commands, *group.any);
         surfaces_.record(s.commands, *group.any);
     }
     if (hasMedium() && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
@@ -24,8 +26,8 @@ void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group
 
 // The pictures of a field.
 void Renderer::recordOverSurfaces(gpu::Commands& commands, const ViewGroup& group) {
-    if (features_.casters && group.field) shafts_.record(commands, group);
-    if (features_.local_lights && group.field) local_lights_.record(commands, group);
+    if (group.field)
+        for (const auto& effect : effects_) effect->recordField(commands, group);
     if (group.field || !features_.glass) compose_.record(commands, group);
 }
 
@@ -35,12 +37,14 @@ void Renderer::recordLayers(gpu::Commands& commands, Method& method, const ViewG
     in.order_ready = in.again = true;
     ViewGroup layer = group;
     layer.any = &in;
-    const uint32_t layers = glass_.layersOf(in);
-    if (layers == 0) return; // the target holds the picture
+    const auto splits = std::ranges::find_if(effects_, [&](const auto& effect) { return effect->layersOf(in) > 0; });
+    if (splits == effects_.end()) return; // the target holds the picture
+    Effect& effect = **splits;
+    const uint32_t layers = effect.layersOf(in);
     for (uint32_t drawn = 0; drawn <= layers; ++drawn) {
         if (drawn > 0 && hasMedium() && !group.field) method.recordGroup(commands, layer);
         if (drawn > 0) recordOverSurfaces(commands, layer);
-        glass_.record(commands, group, drawn, layers);
+        effect.recordLayer(commands, group, drawn, layers);
     }
 }
 

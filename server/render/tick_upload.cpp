@@ -30,7 +30,7 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     const gpu::Tick before = tick_;
     tick_ = makeTick(scene, now, now_, objects);
     if (std::exchange(forgotten_, false) || moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
-        ++all_.version;
+        ++version_;
         extent_ = mediumExtent(now_, tick_.falloff, tick_.cut, now.medium.model == kTetrahedraMedium);
     }
     std::span<const gpu::Particle> ordered = now_;
@@ -56,16 +56,17 @@ void TickUpload::writeBlocks(const UniformBlocks& blocks, std::span<const Hue> h
         for (const MergedMedia::Medium* medium : levels_.media())
             blocks.setLevel(hue, level++, hues[hue].of(medium->tick));
     }
-    const auto viewOf = [&](const gpu::Buffer& particles, uint32_t count, const MediumExtent& extent) {
-        MediumView view{gpu::Resources(&shared), count, all_.version, &extent};
+    // A list is what merging by cells of this size makes of the particles.
+    const auto viewOf = [&](const gpu::Buffer& particles, uint32_t count, const MediumExtent& extent, int exponent) {
+        MediumView view{gpu::Resources(&shared), count, version_ << 16 | uint16_t(exponent), &extent};
         const gpu::Resource list = gpu::storageBuffer("Particles", particles);
         view.resources.give(list);
         view.resources.give(list.as("ParticleLights")); // until they are lit it is not read
         return view;
     };
-    all_ = viewOf(particles_, tick_.particle_count, extent_);
+    all_ = viewOf(particles_, tick_.particle_count, extent_, kNoLevel);
     for (MergedMedia::Medium* medium : levels_.media())
-        medium->view = viewOf(medium->particles, medium->tick.particle_count, medium->extent);
+        medium->view = viewOf(medium->particles, medium->tick.particle_count, medium->extent, medium->exponent);
     enter(blocks, 0);
 }
 
@@ -78,6 +79,14 @@ void TickUpload::enter(const UniformBlocks& blocks, uint32_t hue) {
 const MediumView& TickUpload::of(size_t eye) const {
     const MergedMedia::Medium* level = levels_.of(eye);
     return level ? level->view : all_;
+}
+
+std::vector<MediumView*> TickUpload::seenBy(size_t eyes) {
+    std::vector<MediumView*> lists;
+    for (size_t eye = 0; eye < eyes && lists.empty(); ++eye)
+        if (!levels_.of(eye)) lists.push_back(&all_);
+    for (MergedMedia::Medium* medium : levels_.media()) lists.push_back(&medium->view);
+    return lists;
 }
 
 void TickUpload::record(gpu::Commands& commands, const gpu::Buffer& staging) const {

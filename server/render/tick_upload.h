@@ -47,8 +47,8 @@ public:
     // All particles, and what eye number `eye` sees.
     MediumView& all() { return all_; }
     const MediumView& of(size_t eye) const;
-    std::span<MergedMedia::Medium* const> levels() const { return levels_.media(); }
-    void invalidateLight() { levels_.invalidateLight(); }
+    // The lists that some eye sees, each once: all particles first, where one sees them.
+    std::vector<MediumView*> seenBy(size_t eyes);
 
     uint64_t cpuBytes() const; // that lists of particles take of the CPU's memory
 
@@ -59,6 +59,7 @@ private:
     gpu::Tick tick_{};
     MediumExtent extent_;
     MediumView all_;
+    uint64_t version_ = 0; // of the particles
     MergedMedia levels_;
     SpatialOrder order_;
     std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space

@@ -137,7 +137,8 @@ struct Tick {
     Fog fogs[kMostFogs];
     uint local_light_count;
     uint triangle_count; // of meshes
-    // The height map of meshes under the sun (server/opaque/mesh_shadow.h): light space bounds, texels a side.
+    // The height map of meshes under the sun (server/effects/object_shadow/mesh_shadow.h): light space bounds, texels a
+    // side.
     vec2 mesh_lo;
     vec2 mesh_hi;
     uint mesh_size;

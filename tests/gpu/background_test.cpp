@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 
-#include "server/light/shadow_volume.h"
+#include "server/effects/object_shadow/opaque_shadow.h"
+#include "server/effects/shadow_volume/shadow_volume.h"
 #include "server/opaque/mesh_buffers.h"
 #include "server/opaque/object_buffers.h"
-#include "server/opaque/shadow_map.h"
 #include "server/opaque/surfaces.h"
 #include "shaders/shared/sky.h"
 #include "tests/gpu/closed_form.h"

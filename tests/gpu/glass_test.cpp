@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/inputs/glass_block.h"
+#include "server/effects/glass/glass_block.h"
 #include "tests/gpu/judged.h"
 #include "tests/layer.h"
 

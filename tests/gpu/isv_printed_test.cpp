@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "server/opaque/shadow_map.h"
+#include "server/effects/object_shadow/opaque_shadow.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/opaque/shadow_map.h"
+#include "server/effects/object_shadow/opaque_shadow.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"

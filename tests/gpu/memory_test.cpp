@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include "server/effects/propagation/propagation_plan.h"
 #include "server/gpu/pipeline_cache.h"
 #include "server/inputs/hues.h"
 #include "server/plan/memory.h"

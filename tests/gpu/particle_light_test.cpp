@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/light/particle_light.h"
-#include "server/light/shadow_volume.h"
+#include "server/effects/particle_light/particle_light.h"
+#include "server/effects/shadow_volume/shadow_volume.h"
 #include "server/opaque/object_buffers.h"
 #include "shaders/shared/support.h"
 #include "tests/gpu/closed_form.h"

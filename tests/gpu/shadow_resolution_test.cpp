@@ -1,7 +1,7 @@
 // The volumetric shadow map's resolution: laws of scale, of rounding, and what must not matter.
 #include <cmath>
 
-#include "server/light/shadow_resolution.h"
+#include "server/medium/shadow_resolution.h"
 #include "tests/gpu/fixture.h"
 
 namespace brume::test::shadow_resolution_test {

@@ -1,7 +1,7 @@
 // The volumetric shadow map texel by texel, its laws, and what interpolating it costs.
 #include <cmath>
 
-#include "server/light/shadow_volume.h"
+#include "server/effects/shadow_volume/shadow_volume.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/light_passes.h"
 

@@ -9,8 +9,8 @@
 
 #include "server/inputs/eye_block.h"
 #include "server/inputs/local_light_block.h"
-#include "server/light/shadow_frustum.h"
-#include "server/light/shadow_grid.h"
+#include "server/methods/froxels/shadow_frustum.h"
+#include "server/methods/froxels/shadow_grid.h"
 #include "server/opaque/mesh_buffers.h"
 #include "server/opaque/object_buffers.h"
 #include "tests/gpu/light_passes.h"

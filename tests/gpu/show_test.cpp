@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/light/shadow_volume.h"
+#include "server/effects/shadow_volume/shadow_volume.h"
 #include "server/render/legend.h"
 #include "shaders/shared/support.h"
 #include "shaders/shared/transmittance.h"

@@ -1,6 +1,6 @@
 // Light behind the union of balls, one value for each particle: against double precision, with the thesis's cut-off,
 // and in groups that take turns.
-#include "server/light/union_path.h"
+#include "server/effects/union_path/union_path.h"
 
 #include <algorithm>
 #include <cmath>

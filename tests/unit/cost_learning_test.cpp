@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/effects/particle_light/particle_light_plan.h"
+#include "server/effects/shadow_volume/shadow_volume_plan.h"
 #include "server/plan/plan.h"
 #include "tests/unit/plan_scenes.h"
 

@@ -1,6 +1,7 @@
 // What sheets of glass cost in the plan.
 #include <gtest/gtest.h>
 
+#include "server/effects/glass/glass_plan.h"
 #include "tests/unit/plan_scenes.h"
 
 namespace brume {

@@ -1,6 +1,7 @@
 // What points and spots cost in the plan, and what overload gives up where they take the time.
 #include <gtest/gtest.h>
 
+#include "server/effects/local_lights/local_lights_plan.h"
 #include "server/inputs/local_light_block.h"
 #include "server/plan/cost_learning.h"
 #include "tests/unit/plan_scenes.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/inputs/tick_block.h"
-#include "server/light/shadow_resolution.h"
+#include "server/medium/shadow_resolution.h"
 #include "tools/bench/error.h"
 
 namespace brume::bench {

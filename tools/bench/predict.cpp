@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "server/effects/shadow_volume/shadow_volume_plan.h"
 #include "server/plan/planner.h"
 #include "tools/bench/error.h"
 

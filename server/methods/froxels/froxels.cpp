@@ -9,11 +9,11 @@
 #include "server/gpu/program.h"
 #include "server/inputs/constants.h"
 #include "server/inputs/world_box.h"
-#include "server/light/shadow_frustum.h"
-#include "server/light/shadow_grid.h"
 #include "server/methods/froxels/froxel_history.h"
 #include "server/methods/froxels/froxel_shaders.h"
 #include "server/methods/froxels/froxel_volume.h"
+#include "server/methods/froxels/shadow_frustum.h"
+#include "server/methods/froxels/shadow_grid.h"
 #include "server/methods/grid/medium_grid.h"
 #include "shaders/froxels_comp.h"
 

@@ -8,8 +8,7 @@
 namespace brume {
 
 namespace costs {
-inline constexpr CostInfo kOrder{"order", "cull, sort", 1300};          // particles + 2000: cull and sort
-inline constexpr CostInfo kUnionPath{"union_path", "union path", 1500}; // particles
+inline constexpr CostInfo kOrder{"order", "cull, sort", 1300}; // particles + 2000: cull and sort
 } // namespace costs
 
 inline constexpr double kDiscOfBox = std::numbers::pi / 4; // part of the box around a sphere's picture that it covers

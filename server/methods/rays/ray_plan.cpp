@@ -137,8 +137,6 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
     if (scene.features.opaque) {
         work[costs::kOpaque] = view.pixels() * (1 + scene.objects);
         work[costs::kRayEnds] = scene.needsRays() || scene.features.casters ? view.pixels() : 0;
-        work[costs::kLitSurfaces] = view.litPixels() * (1 + scene.objects);
-        work[costs::kLocalLight] = view.localPieces(settings);
     }
     const double lobe = scene.features.lobe ? scene.lobe_width / view.pixel() : 1e30;
     const uint32_t step =
@@ -148,7 +146,6 @@ void RayPlan::addDisplayWork(const ViewWork& view, const RenderSettings& setting
         work[costs::kPresent] = view.pixels();
     } else {
         work[costs::kComposeField] = view.pixels() * (1 + (scene.features.opaque ? 1 : 0));
-        if (scene.features.casters) work[costs::kShafts] = view.pixels() * (1 + view.shadowsMet());
     }
 }
 

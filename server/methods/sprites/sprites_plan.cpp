@@ -1,13 +1,14 @@
 // Sprites as the plan sees them.
 #include <fmt/format.h>
 
+#include "server/effects/union_path/union_path_plan.h"
 #include "server/methods/proxies/proxy_plan.h"
 
 namespace brume::methods::sprites {
 namespace {
 
 constexpr CostInfo kMedium{"sprites", "medium", 30}; // fragments
-constexpr const CostInfo* kCosts[] = {&costs::kOrder, &costs::kUnionPath, &kMedium};
+constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kMedium};
 
 class Plan final : public MethodPlan {
 public:

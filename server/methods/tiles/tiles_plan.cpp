@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "server/effects/particle_light/particle_light_plan.h"
+#include "server/effects/union_path/union_path_plan.h"
 #include "server/methods/proxies/proxy_plan.h"
 #include "shaders/shared/splat.h"
 
@@ -10,7 +12,7 @@ namespace {
 
 constexpr CostInfo kBin{"tile_bin", "bin", 870};    // particles
 constexpr CostInfo kMedium{"tiles", "medium", 1.1}; // fragments, twice with two points
-constexpr const CostInfo* kCosts[] = {&costs::kOrder, &costs::kUnionPath, &kBin, &kMedium};
+constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kBin, &kMedium};
 
 class Plan final : public MethodPlan {
 public:

@@ -1,0 +1,19 @@
+// Costs and memory of points and spots.
+#pragma once
+
+#include "server/plan/work.h"
+
+namespace brume {
+
+namespace costs {
+inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth", 160000}; // dimmed ones x particles
+inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 60};    // localPieces()
+inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
+} // namespace costs
+
+// The pieces that rays of pixels in a light's range are cut into: at cones and fogs, and at the slabs of particles.
+double localPieces(const ViewWork& view, const RenderSettings& settings);
+
+inline constexpr uint64_t kLitBytesOfPixel = 3 * sizeof(float);
+
+} // namespace brume

@@ -1,0 +1,36 @@
+// MadeFor: what something was made for last, so that it is made again only for something else.
+#pragma once
+
+#include <optional>
+
+#include "server/inputs/medium_view.h"
+#include "server/inputs/tick_inputs.h"
+
+namespace brume {
+
+// Numbers that change with what most effects depend on. Effects that depend on more have them in a key of their own.
+struct Versions {
+    uint64_t medium = 0, objects = 0, sun_depth = 0; // of MediumView and TickInputs
+    std::array<float, 1 + gpu::kMostFogs> hue_parts{};
+    bool operator==(const Versions&) const = default;
+};
+inline Versions versionsOf(const TickInputs& tick, const MediumView& medium) {
+    return {medium.version, tick.objects_version, tick.sun_depth_version, tick.hue_parts};
+}
+
+template <class Key>
+class MadeFor {
+public:
+    // True: it was made for this key. It is thought to be so from now on.
+    bool is(const Key& key) {
+        if (key_ == key) return true;
+        key_ = key;
+        return false;
+    }
+    void forget() { key_.reset(); }
+
+private:
+    std::optional<Key> key_;
+};
+
+} // namespace brume

@@ -1,0 +1,27 @@
+// Sizes of what propagation keeps on the device for each hue (server/effects/propagation/propagation.h).
+#pragma once
+
+#include <cstdint>
+
+#include "shaders/shared/multiple.h"
+
+namespace brume {
+
+inline constexpr uint32_t kFluxes = 6; // that pass each cell
+
+struct FluxSizes {
+    // Bytes of the buffers; the image is as large as `fluence`.
+    uint64_t cells = 0, fluxes = 0, fluence = 0, surfaces = 0;
+    uint64_t all() const { return cells + fluxes + 2 * fluence + surfaces; }
+};
+
+// `side`: cells along each side of the finest grid.
+inline FluxSizes fluxSizes(uint32_t side, uint32_t channels) {
+    const auto cellsOf = [](uint64_t n) { return n * n * n; };
+    uint64_t count = 0; // of the cells of all grids
+    for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
+    return {count * (1 + 2 * channels) * sizeof(float), count * channels * kFluxes * sizeof(float),
+            cellsOf(side) * channels * 4 * sizeof(float), cellsOf(side / 2) * channels * 5 * sizeof(float)};
+}
+
+} // namespace brume

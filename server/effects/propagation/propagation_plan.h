@@ -1,0 +1,17 @@
+// Cost and memory of light of the sun that scatters more than once.
+#pragma once
+
+#include "server/plan/cost_model.h"
+#include "shaders/shared/types.h"
+
+namespace brume {
+
+namespace costs {
+// Hues x channels x cells x iterations of all grids, with scattering = "propagation".
+inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
+} // namespace costs
+
+// Bytes on the device for scattering = "propagation"; 0 without it. `hues`: huesOf().
+uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues);
+
+} // namespace brume
