@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "common/text.h"
-#include "server/ahead.h"
+#include "server/compile/ahead.h"
 #include "server/loop/present_overrides.h"
 #include "server/sim/sequence_files.h"
 

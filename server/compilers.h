@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/process.h"
-#include "server/frame.h"
-#include "server/options.h"
+#include "server/frame/frame_loop.h"
+#include "server/options/options.h"
 
 namespace brume {
 

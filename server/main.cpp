@@ -16,8 +16,8 @@
 
 #include "common/scene_text.h"
 #include "protocol/net/address.h"
-#include "server/ahead.h"
 #include "server/cluster/node.h"
+#include "server/compile/ahead.h"
 #include "server/ending.h"
 #include "server/last_line.h"
 #include "server/net/server.h"
@@ -25,7 +25,7 @@
 #include "server/operate/recorder.h"
 #include "server/operate/replay.h"
 #include "server/operate/replay_ticks.h"
-#include "server/options.h"
+#include "server/options/options.h"
 #include "server/reload.h"
 #include "server/scene_thread.h"
 #include "server/sim/point_cloud.h"

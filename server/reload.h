@@ -1,9 +1,9 @@
 // reload(): applies changed options while the server runs (SIGHUP).
 #pragma once
 
-#include "server/frame.h"
+#include "server/frame/frame_loop.h"
 #include "server/net/server.h"
-#include "server/options.h"
+#include "server/options/options.h"
 #include "server/scene_thread.h"
 
 namespace brume {

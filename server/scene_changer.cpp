@@ -163,11 +163,10 @@ void SceneChanger::show(Scene scene, const Files& files) {
     tellOfPointCloud(scene, simulation);
     compilers_.prepare(scene);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
-    std::future<void> shown =
-        server_.frames.show({scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {
-                                 if (server_.recorder)
-                                     server_.recorder->goOn(head, scene, of, "another scene is shown");
-                             }});
+    std::future<void> shown = server_.frames.replaceScene(
+        {scene, std::move(simulation), otherScenes(options_), [&, this](const Simulation& of) {
+             if (server_.recorder) server_.recorder->goOn(head, scene, of, "another scene is shown");
+         }});
     while (shown.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
         if (server_.ended) throw std::runtime_error("the server stops");
     shown.get();

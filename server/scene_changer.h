@@ -8,7 +8,7 @@
 #include "common/scene.h"
 #include "server/compilers.h"
 #include "server/operate/recorder.h"
-#include "server/options.h"
+#include "server/options/options.h"
 
 namespace brume {
 

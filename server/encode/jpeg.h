@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/render/picture.h"
+#include "server/encode/picture.h"
 
 namespace brume {
 

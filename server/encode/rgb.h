@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "server/render/picture.h"
+#include "server/encode/picture.h"
 
 namespace brume {
 

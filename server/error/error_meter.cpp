@@ -159,9 +159,9 @@ std::vector<ViewError> ErrorMeter::errors(Time now) const {
     for (const auto& [of, window] : windows_) {
         const auto& [viewer, method, accuracy] = of;
         if (now - window.last() > ErrorWindow::kKept) continue;
-        const bool again = !all.empty() && all.back().viewer == viewer && all.back().method == method;
-        if (again && window.last() < last) continue;
-        if (again) all.pop_back();
+        const bool same = !all.empty() && all.back().viewer == viewer && all.back().method == method;
+        if (same && window.last() < last) continue;
+        if (same) all.pop_back();
         last = window.last();
         all.push_back({viewer, method, window.estimate(now), window.estimate(now, kNewest)});
     }

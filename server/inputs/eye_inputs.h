@@ -42,7 +42,9 @@ struct EyeInputs {
     bool near_plane_cuts = true; // True: the near plane may cut particles
     bool for_both_eyes = false;  // True: this eye's order is for both eyes of its head
     bool order_ready = false;    // True: DepthOrder holds this eye's order already, no sort is needed
-    bool again = false; // True: the method's last group was the same, up to surfaces that are farther or as far
+    // True: a layer of the picture before, up to sheets of glass, is drawn. The method's last group had the same rays,
+    // as long or longer.
+    bool is_layer = false;
 };
 
 } // namespace brume

@@ -13,7 +13,7 @@
 
 namespace brume {
 
-struct TetrahedraBuffers; // server/medium/tetrahedra_buffers.h
+struct TetrahedraBuffers; // server/inputs/tetrahedra_buffers.h
 
 struct TickInputs {
     const RenderSettings* settings = nullptr; // in use: every choice is made
@@ -38,8 +38,8 @@ struct TickInputs {
     SceneFeatures features;                        // that shaders are compiled for
     bool needs_rays = true;                        // needsRays() the tick
     const TetrahedraBuffers* tetrahedra = nullptr; // null: the medium is not of tetrahedra
-    // True: the passes before were the same group's in another hue, and what no colour changes is there already.
-    bool again = false;
+    // True: the group was drawn in another hue just before. What no colour changes is there already.
+    bool later_hue = false;
     uint32_t hue = 0;                                  // index of the hue that is drawn
     std::array<float, 1 + gpu::kMostFogs> hue_parts{}; // parts of the extinctions of particles and fogs that it has
     // True with opaque objects or keepRadiance(): pictures pass through RenderTarget one by one.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "server/encode/picture.h"
 #include "server/loop/tick_source.h"
-#include "server/render/picture.h"
 
 namespace brume {
 namespace {
@@ -19,7 +19,7 @@ double paidPixels(const PoseRequest& request) { return paidPixels(pixelsOf(reque
 } // namespace
 
 // Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`.
-void BatchPlanner::fit(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms) {
+void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms) {
     wishes_.clear();
     most_pixels_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers)
@@ -61,12 +61,12 @@ uint32_t BatchPlanner::seatOf(const std::string& owner) {
 }
 
 // Of every owner the one that has waited longest.
-void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> held) {
+void BatchPlanner::findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> deferred) {
     const size_t first = requests_.size();
     if (seats_.size() > kMostSeats) seats_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers) {
         const auto request = viewer->pollOneShot();
-        if (!request || std::ranges::find(held, viewer->id()) != held.end()) continue;
+        if (!request || std::ranges::find(deferred, viewer->id()) != deferred.end()) continue;
         const uint32_t seat = seatOf(viewer->owner());
         size_t at = first;
         while (at < requests_.size() && draw_requests_[at].viewer != seat) ++at;
@@ -105,15 +105,15 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.still_pictures = out.one_shot = false;
     out.full_batch_ratio = 1;
     schedule_.expect(limits.ms_per_pixel);
-    fit(viewers, limits.most_ms);
+    limitSizes(viewers, limits.most_ms);
     findDue(viewers, scene, false, limits.full, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
-        fit(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));
+        limitSizes(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));
         findDue(viewers, scene, true, true, now);
     }
     const size_t watched = requests_.size();
-    findOneShots(viewers, limits.held);
+    findOneShots(viewers, limits.deferred);
     if (draw_requests_.empty()) return false;
 
     present_.clear();

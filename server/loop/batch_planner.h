@@ -47,11 +47,11 @@ public:
         double budget_ms = 0;                                     // that a batch may take
         double most_ms = std::numeric_limits<double>::infinity(); // that one with the pictures of all viewers may take
         double ms_per_pixel = 0;                                  // predicted, until pictures were measured
-        double still_ratio = 1;           // predicted time of a still picture / of the same while it moves
-        bool still = true;                // False: still pictures wait
-        bool full = false;                // True: all pictures have full colour, also those that move
-        std::span<const uint32_t> held{}; // ids of viewers whose one-shot pictures wait
-        uint64_t bytes = ~0ull;           // of a batch's pictures; a viewer that exceeds them alone is drawn alone
+        double still_ratio = 1;               // predicted time of a still picture / of the same while it moves
+        bool still = true;                    // False: still pictures wait
+        bool full = false;                    // True: all pictures have full colour, also those that move
+        std::span<const uint32_t> deferred{}; // ids of viewers whose one-shot pictures wait
+        uint64_t bytes = ~0ull;               // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
     // for anybody, still pictures are taken. Pictures that are too large for `most_ms` are made smaller, the largest
@@ -75,14 +75,14 @@ public:
     // Schedule::someoneWaits().
     bool someoneWaits() const { return schedule_.someoneWaits(); }
     // Viewers for whom there is time within `most_ms` if each has a picture of `pixels`; nothing is known: infinite.
-    double roomFor(double pixels, double most_ms) const { return schedule_.roomFor(pixels, most_ms); }
+    double viewersInTime(double pixels, double most_ms) const { return schedule_.viewersInTime(pixels, most_ms); }
     uint32_t activeViewers() const { return std::max(schedule_.active(), 1u); }
 
 private:
     static constexpr uint32_t kFirstSeat = 1u << 31; // viewers' ids count up from 1
 
-    void fit(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms);
-    void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> held);
+    void limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms);
+    void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> deferred);
     void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
                      Clock::time_point now, BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, bool full,

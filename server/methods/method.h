@@ -57,7 +57,7 @@ public:
     virtual void recordTick(gpu::Commands& /*commands*/, const TickInputs& /*tick*/, const MediumView& /*medium*/) {}
     // Records the medium of one group: into its target, over the background that compute passes have written there, or
     // into its field. The group comes from prepare(); with MethodNeeds::draws it may also be a coarse picture of one
-    // eye, or the same again up to sheets of glass (EyeInputs::again). Ends with its writes visible to compute.
+    // eye, or the same again up to sheets of glass (EyeInputs::is_layer). Ends with its writes visible to compute.
     virtual void recordGroup(gpu::Commands& commands, const ViewGroup& group) = 0;
 
 protected:

@@ -307,7 +307,7 @@ void Metrics::drawn(double shared_ms, double views_ms, bool finer) {
 
 void Metrics::rendered(const EncodedFrame& frame) {
     families_->rendered.Increment();
-    if (!frame.again) families_->wait.Observe(frame.wait_ms * 1e-3);
+    if (!frame.repeats) families_->wait.Observe(frame.wait_ms * 1e-3);
     families_->render.Observe(frame.render_ms * 1e-3);
     families_->encode.Observe(frame.encode_ms * 1e-3);
     families_->gpu.Observe(frame.gpu_ms * 1e-3);

@@ -29,7 +29,7 @@ Judgement unknownName(const std::vector<Change>& changes, const ServerFacts& fac
 // Why this server cannot take a command now.
 struct Judge {
     const ServerFacts& facts;
-    const ShownMedium& medium;
+    const NamedParticles& medium;
 
     Judgement operator()(const Set& c) const { return unknownName(c.changes, facts); }
     Judgement operator()(const Add& c) const { return unknownName(c.changes, facts); }
@@ -71,7 +71,7 @@ wire::Role roleFor(const CommandBody& body) {
 }
 
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
-                                               const ShownMedium& medium, wire::Role role) {
+                                               const NamedParticles& medium, wire::Role role) {
     ReadCommand read = readCommand(input);
     if (const wire::Role least = roleFor(read.body); role < least)
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};

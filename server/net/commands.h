@@ -14,7 +14,7 @@ namespace brume::net {
 wire::Role roleFor(const CommandBody& body);
 
 // The medium that is shown, for commands that name its particles.
-struct ShownMedium {
+struct NamedParticles {
     Layout layout = Layout::cube;
     uint32_t rows = 0; // medium.count
 };
@@ -22,7 +22,7 @@ struct ShownMedium {
 // Precondition: `input` comes from wire::parse. In the result names are among `facts`.
 // A viewer whose role is too low is told that before anything else.
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
-                                               const ShownMedium& medium, wire::Role role);
+                                               const NamedParticles& medium, wire::Role role);
 
 // Gives a command to the scene, or to the replay: why it is not taken now, or nothing. `input_seq`: the number that its
 // viewer gave it.

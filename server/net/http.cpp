@@ -90,8 +90,7 @@ asio::awaitable<void> HttpConnection::run() {
             const bool dropped = co_await drop(parser.content_length().value_or(0));
             if (!dropped) co_return;
         }
-        const bool again = co_await answer(parser);
-        if (!again) break;
+        if (!co_await answer(parser)) break;
     }
     if (slot_) co_await linger();
 }
@@ -253,15 +252,16 @@ asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Author
 // Header and body are two buffers, written together.
 asio::awaitable<bool> HttpConnection::send(const HttpRequest& request, std::string_view route, Reply reply) {
     context_->metrics.requested(route, reply.status);
-    const bool again = request.keep_alive() && !reply.close && !unread_ && !slot_->reserved() && !context_->stopping;
+    const bool keeps_alive =
+        request.keep_alive() && !reply.close && !unread_ && !slot_->reserved() && !context_->stopping;
     share(request, reply);
-    std::string head = headOf(reply, again ? "keep-alive" : "close", context_->options);
+    std::string head = headOf(reply, keeps_alive ? "keep-alive" : "close", context_->options);
     if (reply.status != 304 && reply.status != 204) head += fmt::format("Content-Length: {}\r\n", reply.body.size());
     head += "\r\n";
     if (request.method() == http::verb::head) reply.body.clear();
     const Parts parts{asio::buffer(head), asio::buffer(reply.body)};
     const error_code error = co_await write(parts);
-    co_return !error && again;
+    co_return !error && keeps_alive;
 }
 
 // Adds what lets the browser give the reply to a page of an allowed origin.

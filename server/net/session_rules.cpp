@@ -94,9 +94,9 @@ void SessionRules::onTick(Clock::time_point now, Effects& out) {
                      fmt::format("no Pose came within {:g} s of Hello: send one, hidden where nothing is to be drawn",
                                  seconds(options_.handshake)),
                      out);
-    if (state_ == State::watching && held_ && poses_.take(now)) {
-        out.push_back(SetPose{*held_});
-        held_.reset();
+    if (state_ == State::watching && postponed_ && poses_.take(now)) {
+        out.push_back(SetPose{*postponed_});
+        postponed_.reset();
     }
 }
 
@@ -161,13 +161,13 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
     request.show = *view;
     request.received = now;
 
-    if (held_ && int32_t(request.seq - held_->seq) <= 0) return; // older than the pose that waits
+    if (postponed_ && int32_t(request.seq - postponed_->seq) <= 0) return; // older than the pose that waits
     if (poses_.take(now)) {
-        held_.reset();
+        postponed_.reset();
         out.push_back(SetPose{request});
         return;
     }
-    held_ = request;
+    postponed_ = request;
     if (pose_complaints_.take(now))
         out.push_back(
             SendError{wire::ErrorCode::too_fast, fmt::format("more than {:g} poses a second", options_.pose_rate)});

@@ -61,7 +61,7 @@ public:
                  const Authorization& authorization = {});
 
     // The viewer was told that this medium is shown. Until then commands that name its particles are refused.
-    void shows(const ShownMedium& medium) { medium_ = medium; }
+    void shows(const NamedParticles& medium) { medium_ = medium; }
 
     // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
@@ -87,15 +87,15 @@ private:
 
     const NetOptions& options_;
     const ServerFacts& facts_;
-    ShownMedium medium_;
+    NamedParticles medium_;
     const Clock::time_point hello_deadline_;
     std::optional<Clock::time_point> pose_deadline_; // from Hello until the first good pose
     const Role role_;
     const std::optional<Clock::time_point> until_; // when the token ends
     State state_ = State::awaiting_hello;
-    PoseRequest granted_;               // the present size, views and quality
-    std::optional<PoseRequest> held_;   // the newest pose over the rate: set at a later tick
-    std::optional<uint32_t> input_seq_; // of the last input
+    PoseRequest granted_;                  // the present size, views and quality
+    std::optional<PoseRequest> postponed_; // the newest pose over the rate: set at a later tick
+    std::optional<uint32_t> input_seq_;    // of the last input
     int malformed_ = 0;
     TokenBucket messages_, poses_, inputs_, pose_complaints_, refusals_;
 };

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/inputs/objects.h"
 #include "server/opaque/object_buffers.h"
-#include "server/opaque/objects.h"
 
 namespace brume {
 namespace {

@@ -1,6 +1,6 @@
 #include "server/opaque/object_buffers.h"
 
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 
 namespace brume {
 ObjectCounts countsOf(std::span<const gpu::Opaque> objects) {

@@ -2,8 +2,8 @@
 // and the order in which they are called is that of --help.
 #pragma once
 
-#include "server/options.h"
 #include "server/options/option_group.h"
+#include "server/options/options.h"
 
 namespace brume {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "server/inputs/local_light_block.h"
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 
 namespace brume {
 

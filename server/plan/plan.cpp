@@ -168,8 +168,8 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     Plan plan;
     std::vector<RenderSettings> ways = waysOf(inputs, wanted.method, plan.refused);
     if (ways.empty()) {
-        std::string again;
-        ways = waysOf(inputs, kAutoMethod, again);
+        std::string also;
+        ways = waysOf(inputs, kAutoMethod, also);
     }
     if (ways.empty()) throw std::runtime_error(plan.refused.empty() ? "no method draws this scene" : plan.refused);
     const auto price = [&] {
@@ -202,9 +202,9 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
         const double worse = plan.wanted.empty() ? kWorse : kWorseMeanwhile;
         const bool fine_enough = used->excess <= worse * std::max(plan.chosen.excess, 1.0);
         const bool dear = used->ms() > kDearer * plan.chosen.ms();
-        if (fine_enough && (!dear || inputs.hold)) {
+        if (fine_enough && (!dear || inputs.patient)) {
             plan.kept = used->ms() > plan.chosen.ms();
-            plan.held = dear;
+            plan.by_patience = dear;
             plan.chosen = *used;
             prices.keepReference();
         }

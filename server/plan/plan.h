@@ -30,7 +30,7 @@ struct PlanInputs {
     uint32_t relaxed_before = 0;            // Plan::relaxed of the last plan
     std::optional<RenderSettings> before;   // the present Plan::base: kept unless another way is clearly better
     double before_deviation_px = 0;         // the present Plan::reference_deviation_px
-    bool hold = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
+    bool patient = false; // True: `before` is kept also where another way is much cheaper, if its error is small enough
     const Corrections* corrections = nullptr; // of the laws' errors, by PlanView::viewer; null: none
     double law_factor = 1;                    // on the error of every law: not 1 where laws are wrong on purpose
     // True: the shaders of these settings are compiled. As long as one way is, others are not chosen. Null: all are.
@@ -76,7 +76,7 @@ struct Plan {
     std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;        // True: the error budget holds; false: the cheapest of the most accurate ways was taken
     bool kept = false;         // True: PlanInputs::before was kept, though another way is cheaper
-    bool held = false;         // True: it would not have been without PlanInputs::hold
+    bool by_patience = false;  // True: it would not have been without PlanInputs::patient
     Limit limit = Limit::time; // before overload
     RenderSettings base;       // the settings before overload
     // Overload steps taken, of those asked for. They end at ten times the error budget, and at 15 times if the last

@@ -10,16 +10,16 @@
 #include "server/effects/shadow_volume/shadow_volume_plan.h"
 #include "server/inputs/hues.h"
 #include "server/inputs/local_light_block.h"
+#include "server/inputs/objects.h"
 #include "server/inputs/tick_block.h"
 #include "server/medium/band_limit.h"
-#include "server/opaque/objects.h"
 #include "server/plan/alike_views.h"
 #include "server/sim/state_hash.h"
 
 namespace brume {
 namespace {
 
-constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kHold{2000}, kWaitsUntold{10000};
+constexpr std::chrono::milliseconds kPlanEvery{250}, kLookEvery{1000}, kPatience{2000}, kWaitsUntold{10000};
 // A view is far from another if the medium is so many times as large in its picture, or the eye entered or left it.
 constexpr double kFar = 2;
 // A medium that rests is counted as one that moves once a second: what is done once is cheap, not free.
@@ -90,7 +90,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     return out;
 }
 
-Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways)
+Planner::Planner(const Scene& scene, CostModel model, double frame_budget_ms, ReadyWays* ways)
     : scene_(scene), costs_(std::move(model)), ways_(ways), overload_(frame_budget_ms) {
     inputs_.methods = allMethods();
     inputs_.corrections = &corrections_;
@@ -122,7 +122,7 @@ bool Planner::someoneJumped(std::span<const PlanView> views) const {
     });
 }
 
-void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at) {
+void Planner::renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool patient, Time at) {
     if (look) {
         const PlanScene before = std::exchange(inputs_.scene, planScene(scene_, simulation, lists_));
         if (simulation.tick() == looked_tick_) {
@@ -137,8 +137,8 @@ void Planner::renew(const Simulation& simulation, std::span<const PlanView> view
     inputs_.views = alikeViews(views, inputs_.scene.extent, corrections_);
     inputs_.pictures = views.size();
     planned_ = at;
-    if (!plan_.held) held_since_ = at;
-    inputs_.hold = hold && at - held_since_ < kHold;
+    if (!plan_.by_patience) patient_since_ = at;
+    inputs_.patient = patient && at - patient_since_ < kPatience;
     make();
 }
 

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <span>
 
-#include "server/plan/compiled_ways.h"
 #include "server/plan/cost_learning.h"
 #include "server/plan/overload.h"
 #include "server/plan/plan.h"
+#include "server/plan/ready_ways.h"
 #include "server/sim/simulation.h"
 
 namespace brume {
@@ -25,8 +25,8 @@ class Planner {
 public:
     using Time = std::chrono::steady_clock::time_point;
 
-    // `ways`: those that are compiled; the plan notes there what it wants. Null: every way may be used at once.
-    Planner(const Scene& scene, CostModel model, double frame_budget_ms, CompiledWays* ways = nullptr);
+    // `ways`: the plan takes those that are ready, and says what it wants. Null: every way may be used at once.
+    Planner(const Scene& scene, CostModel model, double frame_budget_ms, ReadyWays* ways = nullptr);
 
     // The settings to render `views` with. Makes a new plan if settings changed (`changed`), or if a view is far from
     // all that the plan was made for; otherwise it costs nothing.
@@ -80,8 +80,8 @@ public:
     const PlanInputs& inputs() const { return inputs_; } // of the last plan
 
 private:
-    // `look`: true if the scene is measured, too. `hold`: PlanInputs::hold, for two seconds at most.
-    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool hold, Time at);
+    // `look`: true if the scene is measured, too. `patient`: PlanInputs::patient, for two seconds at most.
+    void renew(const Simulation& simulation, std::span<const PlanView> views, bool look, bool patient, Time at);
     void make();
     void waitForShaders();
     void tellWaiting();
@@ -90,7 +90,7 @@ private:
 
     const Scene& scene_;
     CostLearning costs_;
-    CompiledWays* ways_;
+    ReadyWays* const ways_;
     std::optional<SceneFeatures> lists_; // nothing: all that there are
     Overload overload_;
     Corrections corrections_;
@@ -103,7 +103,7 @@ private:
     Time overloaded_since_{};
     Time planned_{}, looked_{};       // when the plan was made; when the scene was measured
     uint64_t looked_tick_ = 0;        // the tick of the scene that was measured
-    Time held_since_{};               // since when every plan has been Plan::held
+    Time patient_since_{};            // since when every plan has been Plan::by_patience
     std::optional<Time> waits_since_; // since when every plan has waited for shaders: waitsFor()
     bool waits_told_ = false;         // True: the log says so
 };

@@ -137,7 +137,7 @@ std::optional<double> Prices::errorIn(const ViewWork& view, const RenderSettings
 
 double Prices::corrected(size_t i, const RenderSettings& way, double rays, double light) const {
     const double law =
-        inputs_.law_factor * std::hypot(rays, std::min(views_[i].shown().lightFactor() * light, kMostLight));
+        inputs_.law_factor * std::hypot(rays, std::min(views_[i].light().lightFactor() * light, kMostLight));
     return inputs_.corrections ? law * inputs_.corrections->factor(inputs_.views[i].viewer, way.method, law) : law;
 }
 
@@ -186,7 +186,7 @@ double predictedError(const PlanScene& scene, const RenderSettings& settings, co
     const PlanScene::Shadow* shadow = nullptr;
     for (const PlanScene::Shadow& one : scene.shadows)
         if (one.wanted >= settings.shadow_error && (!shadow || one.wanted < shadow->wanted)) shadow = &one;
-    const double light = shadow ? work.shown().lightFactor() * lightError(shadow->resolution.error) : 0;
+    const double light = shadow ? work.light().lightFactor() * lightError(shadow->resolution.error) : 0;
     return bounded(std::hypot(*error, light));
 }
 

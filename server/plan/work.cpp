@@ -5,9 +5,9 @@
 
 #include "server/effects/effect_plan.h"
 #include "server/inputs/eye_request.h"
+#include "server/inputs/objects.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
-#include "server/opaque/objects.h"
 #include "shaders/shared/support.h"
 
 namespace brume {
@@ -129,9 +129,9 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
         lit_pixels_ += boxOf(light.bound, double(light.reach)).pixels();
 }
 
-const ShownMedium& ViewWork::shown() const {
-    if (!shown_) shown_.emplace(scene_, view_);
-    return *shown_;
+const SeenLight& ViewWork::light() const {
+    if (!light_) light_.emplace(scene_, view_);
+    return *light_;
 }
 
 Work ViewWork::of(const RenderSettings& settings) const {

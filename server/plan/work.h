@@ -15,7 +15,7 @@
 #include "server/medium/shadow_resolution.h"
 #include "server/plan/cost_model.h"
 #include "server/plan/medium_sample.h"
-#include "server/plan/shown.h"
+#include "server/plan/seen_light.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -122,7 +122,7 @@ public:
     double raySpacing(uint32_t rate) const;                // between neighbours, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
-    const ShownMedium& shown() const;                      // found when first asked for: work alone does not need it
+    const SeenLight& light() const;                        // found when first asked for: work alone does not need it
     // Pixels in the ranges of points and spots, one for every light that reaches it.
     double litPixels() const { return lit_pixels_; }
     // Shadows of objects that a pixel's ray meets in the medium, on the mean.
@@ -143,7 +143,7 @@ private:
     uint32_t width_, height_;
     double pixel_, near_, far_, lit_pixels_ = 0;
     std::vector<Seen> seen_;
-    mutable std::optional<ShownMedium> shown_;
+    mutable std::optional<SeenLight> light_;
 };
 
 // Number of cells that [lo, hi] touches, in a row of `count` cells of `size` from 0.

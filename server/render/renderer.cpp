@@ -45,7 +45,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     step_ = drawingStep(needs);
     drawn_.clear();
     for (const EyeRequest& eye : eyes) drawn_.push_back(everyStep(eye, step_));
-    fitPictures(s, eyes, full || hues_.size() > 1);
+    placePictures(s, eyes, full || hues_.size() > 1);
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     if (tetrahedra_ && upload_.moved()) tetrahedra_->follow(upload_.list());
@@ -65,8 +65,8 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                     .seen = upload_.seenBy(eyes.size())};
     for (const auto& effect : effects_) effect->prepare(in, shared_);
 
-    targets_.fit(drawsCoarsely() ? eyes : drawn_);
-    if (drawsCoarsely()) coarse_targets_.fit(drawn_);
+    targets_.makeRoom(drawsCoarsely() ? eyes : drawn_);
+    if (drawsCoarsely()) coarse_targets_.makeRoom(drawn_);
     const VkCommandBuffer cmd = s.commands.begin();
     upload_.record(s.commands, s.particles_);
     for (const auto& effect : effects_) effect->recordTick(s.commands, in, shared_);
@@ -80,7 +80,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     for (const ViewGroup& group : groups) {
         for (uint32_t hue = 0; hue < hues_.size(); ++hue) {
             if (hues_.size() > 1) gpu::everythingBefore(cmd); // the hue before has used the same buffers and images
-            shared_.again = hue > 0;
+            shared_.later_hue = hue > 0;
             if (!before) {
                 upload_.enter(blocks, hue);
                 enterHue(hue);
@@ -168,7 +168,7 @@ uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
 }
 
 // Makes room for the planes of all pictures, and sets where each picture's begin.
-void Renderer::fitPictures(Submission& s, std::span<const EyeRequest> eyes, bool full) {
+void Renderer::placePictures(Submission& s, std::span<const EyeRequest> eyes, bool full) {
     VkDeviceSize bytes = 0;
     s.pictures_.clear();
     for (const EyeRequest& eye : eyes) {

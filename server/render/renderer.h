@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "server/effects/effect.h"
-#include "server/medium/tetrahedra_buffers.h"
+#include "server/encode/picture.h"
+#include "server/inputs/tetrahedra_buffers.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
@@ -17,7 +18,6 @@
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
 #include "server/render/drawn_cells.h"
-#include "server/render/picture.h"
 #include "server/render/probe.h"
 #include "server/render/targets.h"
 #include "server/render/tick_upload.h"
@@ -111,7 +111,7 @@ private:
     bool hasMedium() { return !upload_.all().empty() || features_.fog; }
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
-    void fitPictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
+    void placePictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void gatherTick();
     void gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);

@@ -34,7 +34,7 @@ void Renderer::recordOverSurfaces(gpu::Commands& commands, const ViewGroup& grou
 // Draws the medium again up to the sheets of glass, a layer at a time, and leaves the sum of all in the target.
 void Renderer::recordLayers(gpu::Commands& commands, Method& method, const ViewGroup& group) {
     EyeInputs in = *group.any;
-    in.order_ready = in.again = true;
+    in.order_ready = in.is_layer = true;
     ViewGroup layer = group;
     layer.any = &in;
     const auto splits = std::ranges::find_if(effects_, [&](const auto& effect) { return effect->layersOf(in) > 0; });

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "server/encode/picture.h"
 #include "server/inputs/constants.h"
-#include "server/render/picture.h"
 #include "shaders/show_comp.h"
 
 namespace brume {

@@ -53,7 +53,7 @@ const RenderTarget& Targets::of(VkExtent2D size) const {
     return *target;
 }
 
-void Targets::fit(std::span<const EyeRequest> eyes) {
+void Targets::makeRoom(std::span<const EyeRequest> eyes) {
     VkMemoryRequirements most{};
     for (const EyeRequest& eye : eyes) {
         if (find({eye.width, eye.height})) continue;

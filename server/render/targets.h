@@ -22,7 +22,7 @@ public:
     explicit Targets(const gpu::Device& device) : device_(device) {}
 
     // Makes a target for each of `eyes`, and keeps some of other sizes. Precondition: the device uses none of them.
-    void fit(std::span<const EyeRequest> eyes);
+    void makeRoom(std::span<const EyeRequest> eyes);
     // A target of at least this size. Precondition: fit() had an eye that large. Valid until the next fit().
     const RenderTarget& of(VkExtent2D size) const;
     // The target that is drawn into next. What it held is lost if another one was used since.

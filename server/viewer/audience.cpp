@@ -88,14 +88,14 @@ uint32_t Audience::placesFor(bool is_operator) const {
 
 uint32_t Audience::places() const {
     const std::scoped_lock lock(mutex_);
-    return std::min<uint32_t>(placesFor(false), room_);
+    return std::min<uint32_t>(placesFor(false), time_for_);
 }
 
 const char* Audience::whyFull(const Newcomer& newcomer) const {
     const size_t places = placesFor(newcomer.is_operator);
     if (viewers_.size() >= places)
         return viewers_.size() >= max_viewers_ ? "every place is taken" : "the last place is kept for operators";
-    if (viewers_.size() >= room_) return "there is no time to draw for one more viewer";
+    if (viewers_.size() >= time_for_) return "there is no time to draw for one more viewer";
     const auto own = std::ranges::count_if(viewers_, [&](const auto& one) { return one->owner() == newcomer.owner; });
     if (!newcomer.owner.empty() && uint32_t(own) >= max_per_owner_)
         return "your address or token has as many places as one may have";

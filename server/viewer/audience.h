@@ -110,7 +110,7 @@ public:
     // The last place is for operators. For servers whose tokens say who is one.
     void keepPlaceForOperators(bool keep) { keeps_place_ = keep; }
     // The device has time for so many viewers at least, each with a small picture. join() refuses more.
-    void setRoom(uint32_t viewers) { room_ = viewers; }
+    void setTimeFor(uint32_t viewers) { time_for_ = viewers; }
     // Removes the viewer and closes it. `lost`: true if its connection broke, so that it may come back with its key.
     // Precondition: not called from the viewer's own notify.
     void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
@@ -144,7 +144,7 @@ private:
 
     const ServerFacts facts_;
     uint32_t max_viewers_, max_in_flight_, max_per_owner_ = ~0u;
-    std::atomic<uint32_t> room_{~0u};
+    std::atomic<uint32_t> time_for_{~0u};
     std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;
     SceneRequests scene_requests_;

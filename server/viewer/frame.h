@@ -54,7 +54,7 @@ struct EncodedFrame {
     uint32_t id = 0; // counts up for each viewer; 0 is no frame
     uint64_t tick = 0, state_hash = 0;
     PoseRequest request;
-    bool again = false; // True: an earlier frame answered this pose, so that wait_ms tells nothing about the server
+    bool repeats = false; // True: an earlier frame answered this pose, so that wait_ms tells nothing about the server
     float wait_ms = 0, render_ms = 0, encode_ms = 0, gpu_ms = 0;
     float error = 0; // predicted relative RMSE of the picture, at most
     MeasuredError measured;

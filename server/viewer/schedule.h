@@ -82,7 +82,9 @@ public:
     // share, and half of it at least, since smaller pictures do not make that work less.
     double forPictures(double most_ms) const { return std::max(most_ms - shared_ms_, most_ms / 2); }
     // Viewers for whom a batch has time within `most_ms` if each has pictures of `pixels`; nothing known: infinite.
-    double roomFor(double pixels, double most_ms) const { return forPictures(most_ms) / (pixels * ms_per_pixel_); }
+    double viewersInTime(double pixels, double most_ms) const {
+        return forPictures(most_ms) / (pixels * ms_per_pixel_);
+    }
     // Viewers that asked for pictures in the second before the last choose(), and have not left.
     uint32_t active() const { return active_; }
 

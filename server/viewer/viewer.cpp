@@ -84,7 +84,7 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
         if (jpeg) bytes += jpeg->size();
     const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
     pacing_.sent(frame_->id, bytes, frame_->render_ms + frame_->encode_ms + queue_ms + kMeanWaitMs, now);
-    const float wait_ms = frame_->again ? History::kUnknown : frame_->wait_ms;
+    const float wait_ms = frame_->repeats ? History::kUnknown : frame_->wait_ms;
     history_.add({wait_ms, frame_->render_ms, frame_->encode_ms, queue_ms, frame_->gpu_ms}, now);
     return std::move(frame_);
 }
@@ -188,7 +188,7 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     const std::scoped_lock lock(mutex_);
     if (closed_ || (pose_ && pose_->hidden)) return {};
     skipped_ = 0;
-    const bool again = made_ && made_->seq == request.seq;
+    const bool repeats = made_ && made_->seq == request.seq;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);
     made_detail_ = request.lossless ? Detail::lossless : request.still_picture ? Detail::still : Detail::moving;
@@ -199,7 +199,7 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
     else if (made_)
         made_->width = request.width, made_->height = request.height;
     scene_ = scene;
-    return Due{issued_, request, again};
+    return Due{issued_, request, repeats};
 }
 
 void Viewer::deliver(FramePtr frame) {

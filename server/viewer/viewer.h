@@ -77,7 +77,7 @@ public:
     struct Due {
         uint32_t frame_id = 0;
         PoseRequest request;
-        bool again = false; // True: an earlier frame answered this pose
+        bool repeats = false; // True: an earlier frame answered this pose
     };
     // The request that the next batch may draw. To be called once for each batch, since each call counts: it skips
     // frames as QualityStep::every says, and it notes when the window of bytes held a request back. Nothing is due

@@ -28,7 +28,8 @@ bool isDirection(glm::vec3 v) { return within(v, limits::kPlace) && glm::length(
 // Holds every effect against what the rest of the server counts on.
 class Judge {
 public:
-    Judge(const NetOptions& options, const ServerFacts& facts, const net::ShownMedium& medium, Clock::time_point opened)
+    Judge(const NetOptions& options, const ServerFacts& facts, const net::NamedParticles& medium,
+          Clock::time_point opened)
         : options_(options), facts_(facts), medium_(medium), opened_(opened) {}
 
     void judge(const net::Effects& effects, Clock::time_point now) {
@@ -134,7 +135,7 @@ private:
 
     const NetOptions& options_;
     const ServerFacts& facts_;
-    const net::ShownMedium medium_;
+    const net::NamedParticles medium_;
     const Clock::time_point opened_;
     Clock::time_point now_;
     bool admitted_ = false, closed_ = false;
@@ -258,7 +259,7 @@ wire::Packed made(Kind kind, Numbers& in, const ServerFacts& facts) {
 void session(Bytes bytes) {
     static const NetOptions options;
     static const ServerFacts facts{"device", {"auto"}};
-    const auto medium = bytes.size() % 2 == 0 ? net::ShownMedium{} : net::ShownMedium{Layout::live, 300};
+    const auto medium = bytes.size() % 2 == 0 ? net::NamedParticles{} : net::NamedParticles{Layout::live, 300};
     Clock::time_point now{std::chrono::hours(1)};
     net::SessionRules rules(options, facts, now);
     rules.shows(medium);

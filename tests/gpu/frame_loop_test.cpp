@@ -1,6 +1,6 @@
 // The frame loop with a real device and no network: from poses to encoded frames, and what happens to a picture that
 // cannot be.
-#include "server/frame.h"
+#include "server/frame/frame_loop.h"
 #include "server/gpu/pipeline_cache.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/quadrature.h"
@@ -155,7 +155,7 @@ TEST_F(FrameLoopTest, AnotherSceneIsShownToWhoLooksOn) {
         first_tick = simulation.tick();
         first_state = simulation.stateHash();
     };
-    loop.show(std::move(next)).get();
+    loop.replaceScene(std::move(next)).get();
     EXPECT_EQ(audience_.scene()->scene.name, "props");
     EXPECT_EQ(audience_.scene()->others, std::vector<std::string>{"another"});
     EXPECT_GT(first_tick, before->tick);
@@ -177,7 +177,7 @@ void expectOldScene(FrameLoop& loop, Audience& audience, FrameLoop::NextScene ne
     Looker looker(audience, 64, 36);
     looker.look(1, 0);
     ASSERT_TRUE(looker.next());
-    EXPECT_THROW(loop.show(std::move(next)).get(), Error);
+    EXPECT_THROW(loop.replaceScene(std::move(next)).get(), Error);
     EXPECT_EQ(audience.scene()->scene.name, "cloud");
     looker.look(2, 1);
     FramePtr frame = looker.next();

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/inputs/objects.h"
 #include "server/inputs/tick_block.h"
-#include "server/opaque/objects.h"
 #include "tests/gpu/fixture.h"
 
 namespace brume::test {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "server/compile/compiled_ways.h"
 #include "server/gpu/pipeline_cache.h"
-#include "server/plan/compiled_ways.h"
 #include "tests/gpu/tetrahedra_mesh.h"
 #include "tests/layer.h"
 #include "tests/other_values.h"

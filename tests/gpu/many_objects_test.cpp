@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/object_layout.h"
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 #include "tests/gpu/judged.h"
 
 namespace brume::test::many_objects_test {

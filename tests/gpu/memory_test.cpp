@@ -7,7 +7,7 @@
 #include "server/gpu/pipeline_cache.h"
 #include "server/inputs/hues.h"
 #include "server/plan/memory.h"
-#include "server/render/room.h"
+#include "server/render/idle_memory.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/light_passes.h"
 #include "tests/gpu/quadrature.h"
@@ -196,10 +196,10 @@ TEST_F(MemoryTest, ALoopOverAFewSettingsCompilesNothingAgain) {
     EXPECT_LE(residentBytes(), resident + (32 << 20));
 }
 
-TEST(Room, MemoryGoesBackAfterAMinuteWithLessThanHalfOfIt) {
+TEST(IdleMemory, MemoryGoesBackAfterAMinuteWithLessThanHalfOfIt) {
     using std::chrono::seconds;
-    Room room;
-    const Room::time_point start{seconds(1000)};
+    IdleMemory room;
+    const IdleMemory::time_point start{seconds(1000)};
     EXPECT_FALSE(room.spare(start)); // nothing was used
     room.use(100, start);
     room.use(49, start + seconds(30));

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "server/effects/shadow_volume/shadow_volume.h"
-#include "server/medium/tetrahedra_buffers.h"
+#include "server/inputs/tetrahedra_buffers.h"
 #include "tests/gpu/judged.h"
 #include "tests/gpu/light_passes.h"
 

@@ -40,7 +40,7 @@ TEST_F(AgentTest, SaysHowMuchRoomThereIs) {
     audience->budget_used = 0.9f;
     EXPECT_EQ(answer(), "up ready 10%\n") << "of the frame budget";
     audience->budget_used = 0;
-    audience->setRoom(3);
+    audience->setTimeFor(3);
     EXPECT_EQ(answer(), "up ready 1%\n") << "the device has time for no more";
 }
 

@@ -151,7 +151,7 @@ TEST_F(SessionTest, WhoSaidGoodbyeDoesNotComeBack) {
 TEST_F(SessionTest, NobodyIsLetInWhoWouldMakeItTooSlow) {
     serve();
     const auto first = watch();
-    audience->setRoom(1);
+    audience->setTimeFor(1);
     WsClient second(server->port());
     second.hello();
     EXPECT_EQ(nextError(second), wire::ErrorCode::full);
@@ -159,7 +159,7 @@ TEST_F(SessionTest, NobodyIsLetInWhoWouldMakeItTooSlow) {
     ASSERT_TRUE(goodbye);
     EXPECT_NE(goodbye->parsed->as<wire::Goodbye>()->reason()->str().find("no time"), std::string::npos);
     EXPECT_GT(goodbye->parsed->as<wire::Goodbye>()->retry_after_s(), 0);
-    audience->setRoom(2);
+    audience->setTimeFor(2);
     EXPECT_TRUE(watch());
 }
 

@@ -134,7 +134,7 @@ TEST_F(PictureTest, WhoIsTurnedAwayIsToldWhyAndWhenToComeBack) {
     EXPECT_NE(full.body.find("every place is taken"), std::string::npos) << full.body;
     EXPECT_EQ(full.header("Retry-After"), "5");
     audience->setMaxViewers(8);
-    audience->setRoom(1);
+    audience->setTimeFor(1);
     const auto late = get(port, "/snapshot.jpg");
     EXPECT_EQ(late.status, 503);
     EXPECT_NE(late.body.find("no time to draw"), std::string::npos) << late.body;

@@ -80,9 +80,9 @@ TEST(Audience, SaysHowManyMayComeThatAreNoOperators) {
     EXPECT_EQ(audience.places(), 4u);
     audience.keepPlaceForOperators(true);
     EXPECT_EQ(audience.places(), 3u);
-    audience.setRoom(2);
+    audience.setTimeFor(2);
     EXPECT_EQ(audience.places(), 2u) << "the device has no time for more";
-    audience.setRoom(100);
+    audience.setTimeFor(100);
     audience.setMaxViewers(1);
     EXPECT_EQ(audience.places(), 1u) << "the only place is for anybody";
 }

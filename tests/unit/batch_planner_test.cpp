@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "server/encode/picture.h"
 #include "server/loop/batch_planner.h"
 #include "server/loop/tick_source.h"
-#include "server/render/picture.h"
 
 namespace brume {
 namespace {
@@ -159,11 +159,11 @@ TEST(BatchPlanner, HeldSnapshotsAndStillPicturesWaitAndNobodyElseDoes) {
         once.one_shot = true;
         viewers[i]->setPose(once);
     }
-    const uint32_t held[] = {2};
+    const uint32_t deferred[] = {2};
     std::vector<uint32_t> drawn;
     for (uint64_t scene = 1; scene <= 6; ++scene) {
         const Clock::time_point now = kStart + std::chrono::milliseconds(20 * scene);
-        if (!planner.plan(viewers, scene, {.budget_ms = 50, .held = held}, now, batch)) continue;
+        if (!planner.plan(viewers, scene, {.budget_ms = 50, .deferred = deferred}, now, batch)) continue;
         for (const BatchJob& job : batch.jobs) drawn.push_back(job.viewer->id());
         deliver(batch, now);
     }
@@ -261,7 +261,7 @@ TEST(BatchPlanner, SmallPicturesMakeNoPixelDear) {
         planner.took(batch, 0, 1, true);
         deliver(batch, now);
     }
-    EXPECT_NEAR(planner.roomFor(kLeastPixels, 500), 500 / 3.0, 1);
+    EXPECT_NEAR(planner.viewersInTime(kLeastPixels, 500), 500 / 3.0, 1);
     const std::vector newcomer{viewerOf(17)};
     newcomer[0]->setPose(poseOf(1, 640, 360));
     ASSERT_TRUE(planner.plan(newcomer, 41, {.budget_ms = 50, .most_ms = 500}, now, batch));

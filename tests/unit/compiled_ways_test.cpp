@@ -7,6 +7,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "server/compile/compiled_ways.h"
 #include "server/loop/scene_report.h"
 #include "tests/unit/plan_scenes.h"
 

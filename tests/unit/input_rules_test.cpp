@@ -295,7 +295,7 @@ TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
 
 // The least role of each command; a refusal uses up the input's number, as all do.
 TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
-    ShownMedium medium;
+    NamedParticles medium;
     const auto answer = [&](wire::Role role, auto&& build) {
         rules.emplace(options, facts, now, Authorization{role, {}, {}});
         rules->shows(medium);

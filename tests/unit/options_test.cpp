@@ -1,5 +1,5 @@
 // Flags, environment and file, as brume-server reads them.
-#include "server/options.h"
+#include "server/options/options.h"
 
 #include <algorithm>
 #include <array>

@@ -38,11 +38,11 @@ TEST(ErrorLaws, OfSlabsBoundThatOfOneBall) {
     for (const Found& f : {Found{1, 0.5, 0.00026}, Found{1, 0.7, 0.001}, Found{1, 1, 0.00415}, Found{1, 1.4, 0.0145},
                            Found{5, 0.5, 0.00036}, Found{5, 0.7, 0.00108}, Found{5, 1, 0.0041}, Found{5, 1.4, 0.0224},
                            Found{30, 0.7, 0.0031}, Found{30, 1, 0.0149}, Found{30, 1.4, 0.0434}}) {
-        const double law = slabError(f.thickness, ShownMedium::bendOf(f.depth), f.depth / 2);
+        const double law = slabError(f.thickness, SeenLight::bendOf(f.depth), f.depth / 2);
         EXPECT_GT(kBelow * law, f.error) << f.depth << ' ' << f.thickness;
         EXPECT_LT(law, 4.5 * f.error) << f.depth << ' ' << f.thickness << ": needlessly fine";
     }
-    EXPECT_LT(slabError(0.5, ShownMedium::bendOf(0.001), 0), 1e-6) << "a thin medium is nearly linear";
+    EXPECT_LT(slabError(0.5, SeenLight::bendOf(0.001), 0), 1e-6) << "a thin medium is nearly linear";
 }
 
 TEST(ErrorLaws, OfRaysBoundThatOfOneGaussian) {
@@ -85,34 +85,34 @@ TEST(ErrorLaws, OfFogsWithEdges) {
     EXPECT_EQ(errorAt(4), 0);
 }
 
-TEST(ShownMedium, OfOneBallHasItsSizeAndAllOfIt) {
+TEST(SeenLight, OfOneBallHasItsSizeAndAllOfIt) {
     const Scene scene = cube(1);
     const PlanInputs inputs = inputsOf(scene);
     const ViewWork view(inputs.scene, inputs.views[0]);
-    ASSERT_EQ(view.shown().sizes().size(), 1u);
-    const ShownMedium::Size& size = view.shown().sizes()[0];
+    ASSERT_EQ(view.light().sizes().size(), 1u);
+    const SeenLight::Size& size = view.light().sizes()[0];
     EXPECT_NEAR(size.part, 1, 1e-9);
     EXPECT_NEAR(size.light, 1, 1e-9);
     EXPECT_NEAR(size.deviation, double(inputs.scene.extent.deviation), 1e-5);
     EXPECT_EQ(size.cut, 0);
-    EXPECT_NEAR(view.shown().lightDepth(), inputs.scene.medium_sample.even()[0].depth / 2, 1e-9);
+    EXPECT_NEAR(view.light().lightDepth(), inputs.scene.medium_sample.even()[0].depth / 2, 1e-9);
 }
 
 // Errors that are independent of each other average out where many particles overlap.
-TEST(ShownMedium, PartsOfManyAreSmall) {
+TEST(SeenLight, PartsOfManyAreSmall) {
     const auto partsOf = [](uint32_t count) {
         const Scene scene = cube(count);
         const PlanInputs inputs = inputsOf(scene);
         double sum = 0;
         const ViewWork view(inputs.scene, inputs.views[0]);
-        for (const ShownMedium::Size& size : view.shown().sizes()) sum += size.part;
+        for (const SeenLight::Size& size : view.light().sizes()) sum += size.part;
         return sum;
     };
     EXPECT_LT(partsOf(500), 0.3);
     EXPECT_GT(partsOf(20), partsOf(500));
 }
 
-TEST(ShownMedium, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
+TEST(SeenLight, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
     const auto meanOf = [](uint32_t count) {
         const Scene scene = cube(count);
         const PlanScene plan = planScene(scene, Simulation(scene));

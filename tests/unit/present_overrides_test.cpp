@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/scene_text.h"
-#include "server/plan/compiled_ways.h"
+#include "server/compile/compiled_ways.h"
 #include "tests/other_values.h"
 
 namespace brume::present_overrides_test {

@@ -326,11 +326,11 @@ TEST(Viewer, ARestingCameraKeepsItsRate) {
         now += std::chrono::microseconds(16'667);
         const auto due = takeDue(viewer, now, tick);
         ASSERT_TRUE(due) << tick;
-        EXPECT_EQ(due->again, tick > 1);
+        EXPECT_EQ(due->repeats, tick > 1);
         auto frame = std::make_shared<EncodedFrame>();
         frame->id = due->frame_id;
         frame->request = due->request;
-        frame->again = due->again;
+        frame->repeats = due->repeats;
         frame->wait_ms = std::chrono::duration<float, std::milli>(now - due->request.received).count();
         frame->render_ms = 5;
         frame->encoded = now + std::chrono::milliseconds(5);

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <optional>
 
-#include "server/frame.h"
+#include "server/frame/frame_loop.h"
 #include "server/loop/scene_report.h"
 #include "tools/bench/looker.h"
 

@@ -134,16 +134,16 @@ private:
         const glm::vec3 map = scene.tick.map.hi - scene.tick.map.lo;
         row_["map"] = {map.x, map.y, map.z};
         row_["predicted"] = chosen.error, row_["promised"] = stage.plan().within;
-        row_["predicted_light"] = view.shown().lightFactor() * lightError(shadow.resolution.error);
+        row_["predicted_light"] = view.light().lightFactor() * lightError(shadow.resolution.error);
         row_["predicted_rays"] = raysError(view, s.rate);
         row_["predicted_slabs"] = slabsError(view, s.slabs);
         row_["ray_spacing"] = view.raySpacing(s.rate), row_["slab_thickness"] = view.slabThickness(s.slabs);
         row_["inside"] = view.inside(), row_["deviation"] = scene.extent.deviation;
         row_["deviation_5"] = deviationAt(scene, 0.05), row_["deviation_50"] = deviationAt(scene, 0.5);
         row_["near"] = view.near(), row_["far"] = view.far(), row_["pixel"] = view.pixel();
-        for (const ShownMedium::Size& size : view.shown().sizes())
+        for (const SeenLight::Size& size : view.light().sizes())
             row_["sizes"].push_back({size.projected, size.deviation, size.part, size.bend, size.oblique, size.cut});
-        row_["light_depth"] = view.shown().lightDepth(), row_["light_factor"] = view.shown().lightFactor();
+        row_["light_depth"] = view.light().lightDepth(), row_["light_factor"] = view.light().lightFactor();
         const glm::vec3 box = scene.extent.hi - scene.extent.lo;
         row_["volume"] = double(box.x) * double(box.y) * double(box.z);
         row_["predicted_ms"] = chosen.ms();

@@ -40,10 +40,10 @@ public:
             pixels = mostPixels(in.eyes);
             for (const EyeRequest& eye : in.eyes) bins = std::max<uint64_t>(bins, binsOf(eye.width, eye.height));
         }
-        fit(bits_, bins * gpu::groups(uint32_t(blocks_.size()), 32) * sizeof(uint32_t), "local light bins");
-        fit(lit_, pixels * kLitBytesOfPixel, "local light");
+        grow(bits_, bins * gpu::groups(uint32_t(blocks_.size()), 32) * sizeof(uint32_t), "local light bins");
+        grow(lit_, pixels * kLitBytesOfPixel, "local light");
         const VkDeviceSize before = depths_.size();
-        fit(depths_, volumes * sizeof(float), "local light depths");
+        grow(depths_, volumes * sizeof(float), "local light depths");
         if (depths_.size() != before) depths_made_for_.forget();
         tick.resources.give(gpu::storageBuffer("LocalLights", lights_));
         tick.resources.give(gpu::storageBuffer("LightBits", bits_));
@@ -118,7 +118,7 @@ private:
         }
         return volumes;
     }
-    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
+    void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
         buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                        gpu::Memory::device, name);
     }

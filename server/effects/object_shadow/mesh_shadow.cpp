@@ -17,11 +17,11 @@ MeshShadow::MeshShadow(const gpu::Device& device)
       pyramid_program_(device, mesh_pyramid_comp, "mesh_pyramid") {}
 
 void MeshShadow::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
-    fit(commands.handle(), tick.mesh_size);
+    makeImage(commands.handle(), tick.mesh_size);
     if (tick.triangle_count > 0) draw(commands, shared, tick);
 }
 
-void MeshShadow::fit(VkCommandBuffer cmd, uint32_t size) {
+void MeshShadow::makeImage(VkCommandBuffer cmd, uint32_t size) {
     if (heights_ && heights_.extent().width == size) return;
     heights_ = gpu::Image(device_,
                           {VK_FORMAT_R32_SFLOAT,

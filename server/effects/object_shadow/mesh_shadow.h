@@ -20,7 +20,7 @@ public:
     const gpu::Buffer& pyramid() const { return pyramid_; }
 
 private:
-    void fit(VkCommandBuffer cmd, uint32_t size);
+    void makeImage(VkCommandBuffer cmd, uint32_t size);
     void draw(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
 
     const gpu::Device& device_;

@@ -46,7 +46,7 @@ Propagation::Propagation(const gpu::Device& device)
       pass_(device, flux_pass_comp, "flux_pass"), of_surfaces_(device, flux_surfaces_comp, "flux_surfaces"),
       lit_(device, flux_lit_comp, "flux_lit") {}
 
-void Propagation::fit(gpu::Commands& commands, uint32_t side, uint32_t layers) {
+void Propagation::makeImage(gpu::Commands& commands, uint32_t side, uint32_t layers) {
     if (image_ && image_.extent().width == side && image_.layers() == layers) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {side, side}, usage, layers}, "fluence");
@@ -69,7 +69,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
-    fit(commands, side, channels * side);
+    makeImage(commands, side, channels * side);
     uint32_t count = 0; // of the cells of all grids
     for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
     const auto make = [&](gpu::Buffer& buffer, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {

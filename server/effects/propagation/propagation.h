@@ -24,7 +24,7 @@ public:
     void giveBack() { made_for_.forget(), cells_ = {}, fluxes_ = {}, fluence_ = {}, surfaces_ = {}, image_ = {}; }
 
 private:
-    void fit(gpu::Commands& commands, uint32_t side, uint32_t layers);
+    void makeImage(gpu::Commands& commands, uint32_t side, uint32_t layers);
 
     const gpu::Device& device_;
     gpu::Variants first_, coarser_, finer_, pass_, of_surfaces_, lit_;

@@ -5,7 +5,7 @@
 
 #include "server/effects/effect_plan.h"
 #include "server/effects/propagation/flux_sizes.h"
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 
 namespace brume {
 

@@ -49,7 +49,7 @@ ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape s
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
 }
 
-void ShadowVolume::fit(VkCommandBuffer cmd, const gpu::Tick& tick) {
+void ShadowVolume::makeImage(VkCommandBuffer cmd, const gpu::Tick& tick) {
     const uint32_t layers = gpu::groups(tick.map.slices - 1, kNewPlanesPerLayer);
     if (image_ && image_.extent().width == tick.map.texels.x && image_.extent().height == tick.map.texels.y &&
         image_.layers() == layers)
@@ -88,7 +88,7 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resources& shared,
     if (image_ && same_particles && sameVolume(tick, last_)) return false;
     last_ = tick;
     const gpu::Commands::Pass pass(commands, tetrahedra ? "tetrahedra shadow" : "shadow volume");
-    fit(commands.handle(), tick);
+    makeImage(commands.handle(), tick);
     gpu::everythingBefore(commands.handle()); // the last tick's viewers have read it
     if (tetrahedra)
         recordTetrahedra(commands, shared, tick, *tetrahedra);

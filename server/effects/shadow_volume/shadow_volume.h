@@ -6,7 +6,7 @@
 
 #include "server/gpu/commands.h"
 #include "server/gpu/variants.h"
-#include "server/medium/tetrahedra_buffers.h"
+#include "server/inputs/tetrahedra_buffers.h"
 #include "shaders/shared/types.h"
 
 namespace brume {
@@ -34,7 +34,7 @@ public:
     const gpu::Image& image() const { return image_; }
 
 private:
-    void fit(VkCommandBuffer cmd, const gpu::Tick& tick);
+    void makeImage(VkCommandBuffer cmd, const gpu::Tick& tick);
     void recordParticles(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick);
     void recordTetrahedra(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
                           const TetrahedraBuffers& tetrahedra);

@@ -99,8 +99,8 @@ void FroxelVolume::recordGroup(gpu::Commands& commands, const ViewGroup& group) 
     gpu::everythingBefore(cmd); // the eye before has used the same buffers
     gpu::FroxelGrid froxels = froxelSlices(in);
     const uint32_t all = raysFor(in.size.height, froxels.pixels), most = bandRows(in.size, froxels);
-    const bool has_rays = in.again && all <= most; // True: the volume holds them
-    if (furthest_ && !in.again) furthest_->record(commands, in);
+    const bool has_rays = in.is_layer && all <= most; // True: the volume holds them
+    if (furthest_ && !in.is_layer) furthest_->record(commands, in);
     froxels.rays.x = raysFor(in.size.width, froxels.pixels);
     for (uint32_t row = 0; row + 1 < all; row += most - 1) {
         froxels.first_row = row;

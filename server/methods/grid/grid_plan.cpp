@@ -91,7 +91,7 @@ private:
     double nodeError(const RenderSettings& settings, const ViewWork& view) const override {
         const double spacing = double(settings.grid.spacing) * double(view.scene().extent.deviation);
         double sum = 0;
-        for (const ShownMedium::Size& size : view.shown().sizes()) {
+        for (const SeenLight::Size& size : view.light().sizes()) {
             const double x = spacing / size.deviation;
             const double coarse = x * double(kLeastCoarse) <= 1 ? 0.1 * std::pow(x, 4) : 0;
             const double e = isCubic(settings) ? 0.005 * std::pow(x, 4) : 0.05 * x * x + coarse;

@@ -63,8 +63,7 @@ double cutError(double thickness, double light_depth) {
 double raysError(const ViewWork& view, uint32_t rate) {
     if (rate <= 1) return 0; // every pixel has its ray
     double sum = 0;
-    for (const ShownMedium::Size& size : view.shown().sizes())
-        sum += size.part * square(rayError(rate / size.projected));
+    for (const SeenLight::Size& size : view.light().sizes()) sum += size.part * square(rayError(rate / size.projected));
     return std::sqrt(sum);
 }
 
@@ -79,9 +78,9 @@ double fogError(const ViewWork& view, uint32_t rate) {
 }
 
 double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
-    const double thickness = (view.far() - view.near()) / slabs, light = view.shown().lightDepth();
+    const double thickness = (view.far() - view.near()) / slabs, light = view.light().lightDepth();
     double sum = 0, displaced = 0;
-    for (const ShownMedium::Size& size : view.shown().sizes()) {
+    for (const SeenLight::Size& size : view.light().sizes()) {
         const double h = thickness / size.deviation;
         if (widened)
             displaced +=
@@ -127,8 +126,8 @@ void RayPlan::addRays(RenderSettings way, std::vector<RenderSettings>& ways) {
         for (const uint32_t slabs : kSlabCounts) {
             way.rate = wanted_rate ? wanted_rate : rate;
             way.slabs = wanted_slabs ? wanted_slabs : slabs;
-            const bool again = (wanted_rate && rate != kRates[0]) || (wanted_slabs && slabs != kSlabCounts[0]);
-            if (!again) ways.push_back(way);
+            const bool repeated = (wanted_rate && rate != kRates[0]) || (wanted_slabs && slabs != kSlabCounts[0]);
+            if (!repeated) ways.push_back(way);
         }
 }
 

@@ -22,7 +22,7 @@ inline constexpr uint32_t kRayMargin = 3;
 constexpr uint32_t raysBeyond(uint32_t margin) { return 2 * margin + 1; }
 
 // Errors that these approximations leave in a view, relative RMSE. Particles err independently of each other: the sum
-// of ShownMedium's sizes, by their parts. docs/methods.md has the laws of one size and where they come from.
+// of SeenLight's sizes, by their parts. docs/models.md has the laws of one size and where they come from.
 double raysError(const ViewWork& view, uint32_t rate);
 double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); // widened: True: particles are
 
@@ -30,11 +30,11 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); //
 double rayError(double spacing);
 // Of the edges of fogs, between rays that are `rate` pixels apart: fogs with a ball or heights where they end.
 double fogError(const ViewWork& view, uint32_t rate);
-// `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (ShownMedium::bendOf).
-// `light_depth`: ShownMedium::lightDepth().
+// `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (SeenLight::bendOf).
+// `light_depth`: SeenLight::lightDepth().
 double slabError(double thickness, double bend, double light_depth);
 // Of slabs thicker than 1.43 deviations: particles are widened along the view axis, which is not the ray. `oblique`: as
-// ShownMedium::Size.
+// SeenLight::Size.
 double widenedError(double thickness, double oblique);
 // The same particles are displaced on average, all alike: what lies behind is lit more or less. thickness, deviation in
 // m; extinction: of the whole medium there, 1/m.

@@ -105,8 +105,8 @@ SlabRays::SlabRays(const MethodContext& context)
 
 std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
     group(eyes);
-    fit(field_, most_.field * sizeof(float), "slab field");
-    fitRoom(most_);
+    grow(field_, most_.field * sizeof(float), "slab field");
+    growOwn(most_);
     views_buffer_.atLeast(device_, views_.size() * sizeof(gpu::View), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                           gpu::Memory::upload, "views");
     std::copy(views_.begin(), views_.end(), views_buffer_.mapped<gpu::View>(views_.size()).begin());
@@ -150,7 +150,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     groups_.clear();
     firsts_.clear();
     most_ = {};
-    Room room;
+    Elements elements;
     bool open = false; // True: the last group takes more views
     for (const EyeInputs* in : order_) {
         const Bands bands = bandsOf(*in);
@@ -158,7 +158,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
         const gpu::FieldColours colours = coloursOf(*in);
         const bool whole = bands.step >= bands.cells && !alone;
         for (uint32_t row = 0; row < bands.cells; row += bands.step) {
-            Room with = room;
+            Elements with = elements;
             gpu::View view = viewOf(*in, bands, row, step, with);
             const auto fits = [&](const ViewGroup& last) {
                 return last.any->medium == in->medium && last.rate == bands.grid.rate && last.colours == colours &&
@@ -172,11 +172,11 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
             }
             groups_.back().bins = with.bins;
             open = whole;
-            room = with;
+            elements = with;
             views_.push_back(view);
-            most_ = {std::max(most_.members, room.members), std::max(most_.bins, room.bins),
-                     std::max(most_.added, room.added), std::max(most_.field, room.field),
-                     std::max(most_.shaded, room.shaded)};
+            most_ = {std::max(most_.members, elements.members), std::max(most_.bins, elements.bins),
+                     std::max(most_.added, elements.added), std::max(most_.field, elements.field),
+                     std::max(most_.shaded, elements.shaded)};
         }
     }
     firsts_.push_back(views_.size());
@@ -184,29 +184,30 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
         groups_[g].views = std::span(views_).subspan(firsts_[g], firsts_[g + 1] - firsts_[g]);
 }
 
-VkDeviceSize SlabRays::bytesOfLargest(const Room& room) {
-    return std::max({room.members * sizeof(gpu::SlabMember), room.bins * sizeof(uint32_t),
-                     room.added * sizeof(glm::vec4), room.field * sizeof(float), room.shaded * sizeof(uint32_t)});
+VkDeviceSize SlabRays::bytesOfLargest(const Elements& elements) {
+    return std::max({elements.members * sizeof(gpu::SlabMember), elements.bins * sizeof(uint32_t),
+                     elements.added * sizeof(glm::vec4), elements.field * sizeof(float),
+                     elements.shaded * sizeof(uint32_t)});
 }
 
 gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step,
-                           Room& room) const {
+                           Elements& elements) const {
     gpu::View view = *in.block;
     view.grid = bands.grid;
     view.grid.first_row = first_row;
     view.first = first_row * bands.grid.rate;
     view.end = std::min(view.first + bands.step * bands.grid.rate, in.size.height);
-    view.members = uint32_t(room.members);
-    view.bins = uint32_t(room.bins);
-    view.added = uint32_t(room.added);
-    view.field = uint32_t(room.field);
-    view.shaded = uint32_t(room.shaded);
-    const Room own = roomOf(in, view.grid);
-    room.members += own.members;
-    room.bins += own.bins;
-    room.added += own.added;
-    room.field += fieldWords(in, view.grid);
-    room.shaded += shadedWords(view, step);
+    view.members = uint32_t(elements.members);
+    view.bins = uint32_t(elements.bins);
+    view.added = uint32_t(elements.added);
+    view.field = uint32_t(elements.field);
+    view.shaded = uint32_t(elements.shaded);
+    const Elements own = elementsOf(in, view.grid);
+    elements.members += own.members;
+    elements.bins += own.bins;
+    elements.added += own.added;
+    elements.field += fieldWords(in, view.grid);
+    elements.shaded += shadedWords(view, step);
     return view;
 }
 
@@ -265,8 +266,8 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     gpu::SlabGrid& grid = bands.grid;
     bands.cells = gpu::groups(in.size.height, grid.rate);
     const auto tooLarge = [&] {
-        const Room room{.added = roomOf(in, grid).added, .field = fieldWords(in, grid)};
-        return bytesOfLargest(room) > gpu::kLargestBinding;
+        const Elements elements{.added = elementsOf(in, grid).added, .field = fieldWords(in, grid)};
+        return bytesOfLargest(elements) > gpu::kLargestBinding;
     };
     const auto rowsOfTiles = [&](uint32_t rows) {
         grid.lines.y = rows;
@@ -282,7 +283,7 @@ SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
     return bands;
 }
 
-void SlabRays::fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
+void SlabRays::grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
     buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, 256),
                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device, name);
 }

@@ -22,18 +22,19 @@ protected:
     static constexpr uint32_t kRaysOfTile = gpu::kSlabTile * gpu::kSlabTile;
 
     // Elements of the buffers that gpu::View points into.
-    struct Room {
+    struct Elements {
         VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0;
     };
     // What a band needs of the method's own buffers: members, bins, added.
-    virtual Room roomOf(const EyeInputs&, const gpu::SlabGrid&) const { return {}; }
-    // Makes such room. Precondition: nothing of the method is on the device.
-    virtual void fitRoom(const Room&) {}
+    virtual Elements elementsOf(const EyeInputs&, const gpu::SlabGrid&) const { return {}; }
+    // Makes the method's own buffers so large. Precondition: nothing of the method is on the device.
+    virtual void growOwn(const Elements&) {}
     // Writes field_ for all rays of a group; earlier contents have been read. Its writes are visible to compute
     // afterwards.
     virtual void recordRays(gpu::Commands& commands, const ViewGroup& group) = 0;
 
-    void fit(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
+    void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const;
+
     const gpu::Device& device_;
     const SceneFeatures features_;
     gpu::Buffer field_;
@@ -45,13 +46,14 @@ private:
         uint32_t cells, step; // rows of cells: of the picture, and of one band
     };
     Bands bandsOf(const EyeInputs& in) const;
-    static VkDeviceSize bytesOfLargest(const Room& room); // of the buffers
+    static VkDeviceSize bytesOfLargest(const Elements& elements); // of the buffers
     uint32_t shadingStepOf(const EyeInputs& in, uint32_t rate) const;
     gpu::FieldColours coloursOf(const EyeInputs& in) const;
     VkDeviceSize fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const;
-    // The view of `in` in rows of pixels from first_row on. It is put behind what is in `room` already, which grows by
-    // it.
-    gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step, Room& room) const;
+    // The view of `in` in rows of pixels from first_row on. It is put behind what is in `elements` already, which grows
+    // by it.
+    gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step,
+                     Elements& elements) const;
     void group(std::span<const EyeInputs> eyes);
     // Writes which faces of the rays pixels read.
     void recordEnds(gpu::Commands& commands, const ViewGroup& group);
@@ -61,7 +63,7 @@ private:
     std::vector<gpu::View> views_;
     std::vector<size_t> firsts_; // of groups_, in views_
     gpu::Buffer views_buffer_;
-    Room most_; // of all groups
+    Elements most_; // of all groups
     gpu::Variants ends_, spline_;
 };
 

@@ -17,17 +17,17 @@ public:
           slabs_(device_, slabs_comp, "slabs"), light_(device_, slab_light_comp, "slab_light") {}
 
 private:
-    Room roomOf(const EyeInputs& in, const gpu::SlabGrid& grid) const override {
+    Elements elementsOf(const EyeInputs& in, const gpu::SlabGrid& grid) const override {
         const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
         return {.members = in.medium->count,
                 .bins = bits / sizeof(uint32_t),
                 .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(in)};
     }
 
-    void fitRoom(const Room& room) override {
-        fit(members_, room.members * sizeof(gpu::SlabMember), "slab members");
-        fit(bins_, room.bins * sizeof(uint32_t), "slab bins");
-        fit(added_, room.added * sizeof(glm::vec4), "slab extinction");
+    void growOwn(const Elements& elements) override {
+        grow(members_, elements.members * sizeof(gpu::SlabMember), "slab members");
+        grow(bins_, elements.bins * sizeof(uint32_t), "slab bins");
+        grow(added_, elements.added * sizeof(glm::vec4), "slab extinction");
     }
 
     static uint32_t quantitiesOf(const EyeInputs& in) { return gpu::mediumQuantities(in.medium->extent->one_albedo); }
@@ -37,7 +37,7 @@ private:
         const EyeInputs& in = *group.any;
         const uint32_t columns = group.most([](const gpu::View& v) { return v.grid.lines.x; });
         const uint32_t rows = group.most([](const gpu::View& v) { return v.grid.lines.y; });
-        if (!in.shared->again) {
+        if (!in.shared->later_hue) {
             const gpu::Commands::Pass pass(commands, "bin", group.view());
             gpu::everythingBefore(cmd);
             if (group.bins > 0) vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
@@ -47,7 +47,7 @@ private:
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
-        if (!in.shared->again) {
+        if (!in.shared->later_hue) {
             const gpu::Commands::Pass pass(commands, "slabs", group.view());
             struct Push {
                 uint32_t sheets, quantities;

@@ -2,7 +2,7 @@
 // neighbour to neighbour, so the order is right on every ray, and nothing is sorted.
 #include "server/inputs/constants.h"
 #include "server/inputs/multiple_block.h"
-#include "server/medium/tetrahedra_buffers.h"
+#include "server/inputs/tetrahedra_buffers.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "shaders/tetrahedra_comp.h"

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "server/inputs/eye_request.h"
+#include "server/inputs/objects.h"
 #include "server/inputs/tick_block.h"
-#include "server/opaque/objects.h"
 #include "shaders/shared/erf.h"
 #include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/process.h"
+#include "server/compile/compiled_ways.h"
 #include "server/gpu/device.h"
 #include "server/plan/planner.h"
 

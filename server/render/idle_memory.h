@@ -1,4 +1,4 @@
-// Room: says when memory that grew for large pictures is to be given back.
+// IdleMemory: says when memory that grew for large pictures lies idle, and is to be given back.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 
 namespace brume {
 
-// Nothing is given back, and then allocated again, for needs that change less than to a half or faster than in a
-// minute.
-class Room {
+// Memory is idle when for a minute less than half of the most was used. So what changes by less, or faster, is not
+// freed and allocated again.
+class IdleMemory {
 public:
     using time_point = std::chrono::steady_clock::time_point;
     static constexpr auto kUnused = std::chrono::minutes(1);

@@ -1,4 +1,4 @@
-#include "server/ahead.h"
+#include "server/compile/ahead.h"
 
 #include <ctime>
 #include <optional>
@@ -10,11 +10,11 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include "server/compile/warm_up.h"
 #include "server/gpu/pipeline_cache.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 #include "server/sim/sequence_files.h"
-#include "server/warm_up.h"
 
 namespace brume {
 namespace {

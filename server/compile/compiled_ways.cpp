@@ -1,4 +1,4 @@
-#include "server/plan/compiled_ways.h"
+#include "server/compile/compiled_ways.h"
 
 #include <algorithm>
 #include <sstream>

@@ -1,4 +1,4 @@
-#include "server/warm_up.h"
+#include "server/compile/warm_up.h"
 
 #include <algorithm>
 

@@ -10,12 +10,13 @@ namespace brume {
 
 struct PlanScene;
 struct PlanView;
+struct SampledParticle; // server/plan/medium_sample.h
 
 // Light of one view by the size of the particles that it comes from. Parts are of the sum over the medium's pixels of
 // squared radiance: an error that differs from particle to particle adds up to the root of a sum of part * error^2.
-class ShownMedium {
+class SeenLight {
 public:
-    ShownMedium(const PlanScene& scene, const PlanView& view);
+    SeenLight(const PlanScene& scene, const PlanView& view);
 
     struct Size {
         double projected = 0;  // pixels of a deviation, less where little light comes: outlines are steeper there
@@ -40,6 +41,12 @@ public:
 
 private:
     static constexpr size_t kSizes = 24;
+
+    // `outline`: deviation of the particle's outline, pixels. `one`: what it adds of part, oblique, cut and light.
+    // `mean_deviation`: of the medium, m.
+    void add(const SampledParticle& p, double outline, const Size& one, double mean_deviation);
+    void takeMeans();
+
     std::array<Size, kSizes> sizes_{};
     size_t count_ = 0;
     double light_depth_ = 0, light_factor_ = 1;

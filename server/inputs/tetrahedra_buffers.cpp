@@ -1,10 +1,10 @@
-#include "server/medium/tetrahedra_buffers.h"
+#include "server/inputs/tetrahedra_buffers.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "server/gpu/commands.h"
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 
 namespace brume {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/opaque/objects.h"
+#include "server/inputs/objects.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,9 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/frame.h"
+#include "server/loop/scene_report.h"
+
+#include "server/frame/frame_loop.h"
 #include "server/loop/scene_report.h"
 
 namespace brume {
@@ -25,7 +27,19 @@ void boundsOf(std::span<const gpu::Particle> particles, float falloff, glm::vec3
 
 } // namespace
 
-void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
+Measuring::Measuring(const ShownScene& shown, const gpu::Device& device, const FrameOptions& options)
+    : shown_(shown), device_(device), meter_(options.measure_error), learns_costs_(options.learn_costs),
+      on_costs_(options.on_costs), on_errors_(options.on_errors) {}
+
+void Measuring::begin(Batch& batch, const Planner& planner, const CompiledWays& ways) {
+    choose(batch, planner, ways);
+    show(batch);
+    tell(batch);
+}
+
+void Measuring::choose(Batch& batch, const Planner& planner, const CompiledWays& ways) {
+    const RenderSettings& settings = batch.settings;
+    const Simulation& simulation = shown_.simulation;
     ProbeReading& probe = batch.submission.probe;
     probe.pixels.clear();
     if (!meter_.measures() || settings.scattering != "single") {
@@ -34,24 +48,24 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     }
     drawn_viewers_.clear();
     for (const BatchJob& job : batch.jobs)
-        if (&job == &batch.jobs[job.pictures]) drawn_viewers_.push_back(job.viewer->id());
+        if (batch.draws(job)) drawn_viewers_.push_back(job.viewer->id());
     std::unique_ptr<MeterJob> job = meter_.begin(drawn_viewers_, batch.taken);
     if (!job) return;
     const auto of = std::ranges::find(batch.jobs, job->viewer, [](const BatchJob& one) { return one.viewer->id(); });
     const EyeRequest& eye = batch.eyes[of->first_eye];
     job->with = drawnWith(settings, eye);
-    if (!ways_.mayProbe(job->with.settings)) return meter_.drop(std::move(job));
-    job->law = planner_->predictedError(job->with.settings, {eye.pose, eye.width, eye.height});
-    job->scene = shown_scene_;
-    job->now = simulation_.now();
-    leaveOut(job->now, drawn_);
+    if (!ways.mayProbe(job->with.settings)) return meter_.drop(std::move(job));
+    job->law = planner.predictedError(job->with.settings, {eye.pose, eye.width, eye.height});
+    job->scene = shown_.scene;
+    job->now = simulation.now();
+    leaveOut(job->now, shown_.drawn);
     job->pose = eye.pose;
     job->keeps = eye.show == gpu::kShowError;
     job->size = {eye.width, eye.height};
     job->pixels.clear();
     try {
-        job->particles.resize(simulation_.liveCount());
-        simulation_.write(job->particles);
+        job->particles.resize(simulation.liveCount());
+        simulation.write(job->particles);
         glm::vec3 lo = job->pose.position - 1.0f, hi = lo + 2.0f; // around the eye: with fog any pixel may show it
         const bool fog = std::ranges::any_of(job->now.lists.fogs, isThere);
         if (!fog) boundsOf(job->particles, job->now.medium.falloff, lo, hi);
@@ -67,19 +81,18 @@ void FrameLoop::beginMeasuring(Batch& batch, const RenderSettings& settings) {
     batch.measured = std::move(job);
 }
 
-DrawnWith FrameLoop::drawnWith(const RenderSettings& settings, const EyeRequest& eye) const {
-    DrawnWith with{settings, simulation_.settingsVersion()};
+DrawnWith Measuring::drawnWith(const RenderSettings& settings, const EyeRequest& eye) const {
+    DrawnWith with{settings, shown_.simulation.settingsVersion()};
     if (eye.rate > 0) with.settings.rate = eye.rate;
     return with;
 }
 
 // Those who look at their error see the pixels that were measured since their camera rests, of pictures like this one.
-void FrameLoop::showMeasured(Batch& batch) {
+void Measuring::show(Batch& batch) {
     shown_errors_.clear();
     const auto each = [&](const auto& visit) { // a job's pictures; the right eye's are not measured
         for (const BatchJob& job : batch.jobs)
-            if (&job == &batch.jobs[job.pictures] && job.due.request.show == gpu::kShowError)
-                visit(job, batch.eyes[job.first_eye]);
+            if (batch.draws(job) && job.due.request.show == gpu::kShowError) visit(job, batch.eyes[job.first_eye]);
     };
     std::vector<size_t> counts;
     each([&](const BatchJob& job, const EyeRequest& eye) {
@@ -94,7 +107,7 @@ void FrameLoop::showMeasured(Batch& batch) {
     });
 }
 
-void FrameLoop::endMeasuring(Batch& batch, bool drawn) {
+void Measuring::end(Batch& batch, bool drawn) {
     if (!batch.measured) return;
     ProbeReading& probe = batch.submission.probe;
     if (!drawn) return meter_.drop(std::move(batch.measured));
@@ -105,40 +118,41 @@ void FrameLoop::endMeasuring(Batch& batch, bool drawn) {
 }
 
 // The pictures of a viewer who shares them are measured as those of the one who draws them.
-void FrameLoop::tellMeasured(Batch& batch, const std::string& method) const {
+void Measuring::tell(Batch& batch) const {
     for (BatchJob& job : batch.jobs) {
         const uint32_t viewer = batch.jobs[job.pictures].viewer->id();
         const auto found = std::ranges::find_if(errors_, [&](const ViewError& one) {
-            return one.viewer == viewer && one.method == method && one.error.known();
+            return one.viewer == viewer && one.method == batch.settings.method && one.error.known();
         });
         if (found == errors_.end()) continue;
         job.measured = {float(found->error.rmse), float(found->error.low), float(found->error.high)};
     }
 }
 
-void FrameLoop::readMeter(Clock::time_point now) {
+void Measuring::read(std::span<const uint32_t> viewers, Planner& planner, Clock::time_point now) {
+    meter_.stay(viewers);
     errors_ = meter_.errors(now);
-    learn(now);
-    const Plan& plan = planner_->plan();
-    const double promised = promisedError(simulation_.now().render);
-    const auto line = promise_.look({promised, worstOf(errors_, plan.chosen.settings.method), plan.relaxed > 0}, now);
-    if (on_errors_) on_errors_(simulation_.tick(), errors_, plan);
-    if (line) spdlog::log(line->broken ? spdlog::level::warn : spdlog::level::info, line->text);
-}
-
-// The plan hears what was measured.
-void FrameLoop::learn(Clock::time_point now) {
-    Corrections& corrections = planner_->corrections();
+    Corrections& corrections = planner.corrections();
     for (const ViewError& one : errors_) {
         const ErrorEstimate& e = one.newest;
         if (!e.known() || e.law <= 0) continue;
         corrections.learn(one.viewer, one.method, e.law, {e.rmse / e.law, e.low / e.law, e.high / e.law}, now);
     }
     corrections.fade(now);
+    const Plan& plan = planner.plan();
+    const double promised = promisedError(shown_.simulation.now().render);
+    const auto line = promise_.look({promised, worstOf(errors_, plan.chosen.settings.method), plan.relaxed > 0}, now);
+    if (on_errors_) on_errors_(shown_.simulation.tick(), errors_, plan);
+    if (line) spdlog::log(line->broken ? spdlog::level::warn : spdlog::level::info, line->text);
 }
 
-// Corrects the costs by what the batch's passes took.
-void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples) {
+void Measuring::forget() {
+    meter_.forget();
+    errors_.clear();
+    promise_ = {};
+}
+
+void Measuring::learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples, Planner& planner) {
     if (!learns_costs_ || batch.one_shot || batch.done - costs_learnt_ < kLearnEvery) return;
     if (costs_learnt_ == Clock::time_point{}) costs_told_ = batch.done - kToldEvery + kFirstTold;
     costs_learnt_ = batch.done;
@@ -151,10 +165,10 @@ void FrameLoop::learnCosts(const Batch& batch, std::span<const gpu::PassSample> 
     }
     std::vector<PassMs> passes;
     for (const gpu::PassSample& sample : samples) passes.push_back({sample.name, double(sample.ms)});
-    planner_->passesTook(batch.settings, views, rates, passes, disturbed);
-    if (!on_costs_ || !planner_->costs().isKnown() || batch.done - costs_told_ < kToldEvery) return;
+    planner.passesTook(batch.settings, views, rates, passes, disturbed);
+    if (!on_costs_ || !planner.costs().isKnown() || batch.done - costs_told_ < kToldEvery) return;
     costs_told_ = batch.done;
-    on_costs_(planner_->costs().model());
+    on_costs_(planner.costs().model());
 }
 
 } // namespace brume

@@ -8,7 +8,7 @@
 
 #include "common/scene.h"
 #include "server/cluster/options.h"
-#include "server/frame_options.h"
+#include "server/frame/frame_options.h"
 #include "server/gpu/device.h"
 #include "server/net/options.h"
 

@@ -13,8 +13,8 @@
 #include <string>
 #include <string_view>
 
-#include "common/scene.h"
 #include "server/inputs/scene_features.h"
+#include "server/plan/ready_ways.h"
 
 namespace brume {
 
@@ -32,7 +32,7 @@ WayShaders shadersOf(const RenderSettings& settings, bool still);
 std::string text(const WayShaders& way);
 std::optional<WayShaders> wayShaders(std::string_view text);
 
-class CompiledWays {
+class CompiledWays : public ReadyWays {
 public:
     using Clock = std::chrono::steady_clock;
     static constexpr size_t kMostUnused = 8;
@@ -62,14 +62,14 @@ public:
     bool follow(const SceneFeatures& lists);
     // The wanted ones. Nothing: those that are drawn are right, or a way is compiled for the others.
     std::optional<SceneFeatures> wantedFeatures() const;
-    bool has(const RenderSettings& settings, bool still) const;
-    // Pictures are drawn this way: it stays. Of others that were not for kUnused, kMostUnused stay at most, since a
-    // device keeps some pipelines only.
-    void use(const RenderSettings& settings, bool still, Clock::time_point now = Clock::now());
+    bool has(const RenderSettings& settings, bool still) const override;
+    // Of ways that nobody used for kUnused, kMostUnused stay at most, since a device keeps some pipelines only.
+    void use(const RenderSettings& settings, bool still) override { use(settings, still, Clock::now()); }
+    void use(const RenderSettings& settings, bool still, Clock::time_point now);
     // True: pixels of moving pictures of this way may be read back.
     bool mayProbe(const RenderSettings& settings) const;
-    // Notes a way that is not compiled, and tells who compiles. At most kMostWanted wait.
-    void want(const RenderSettings& settings, bool still);
+    // Tells who compiles, unless the way is compiled. At most kMostWanted wait.
+    void want(const RenderSettings& settings, bool still) override;
     // `on_want` is called by want() and follow(), in their thread, for everything new.
     void serve(std::function<void()> on_want);
     // The way that was wanted first and is not compiled yet.

@@ -1,0 +1,82 @@
+#include "server/frame/encoding.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "common/cores.h"
+#include "server/encode/picture_encoder.h"
+
+namespace brume {
+namespace {
+
+using Millis = std::chrono::duration<float, std::milli>;
+
+// Threads: one for each core, in these bounds.
+constexpr unsigned kLeast = 2, kMost = 16;
+
+} // namespace
+
+Encoding::Encoding(Metrics& metrics) : metrics_(metrics), workers_(std::clamp(usableCores(), kLeast, kMost)) {}
+
+void Encoding::take(Batch& batch) {
+    const std::span<const PictureView> pictures = batch.submission.pictures();
+    batch.pending = uint32_t(std::ranges::count_if(batch.jobs, [&](const BatchJob& job) { return batch.draws(job); }));
+    for (const BatchJob& job : batch.jobs) {
+        if (!batch.draws(job)) continue;
+        workers_.give(
+            [this, &batch, &job, views = pictures.subspan(job.first_eye, job.due.request.views)](JpegEncoder& jpeg) {
+                deliver(batch, job.pictures, views, jpeg);
+                batch.pending.fetch_sub(1);
+            });
+    }
+}
+
+// Encodes one job's pictures, for all viewers that asked for the same ones. On an encoder's thread, where nothing may
+// be thrown: a frame that cannot be made, for want of memory for example, is lost, and its viewer gets a later one.
+void Encoding::deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views,
+                       JpegEncoder& jpeg) noexcept {
+    size_t next = job; // first of the jobs that have not got their frame
+    try {
+        const PoseRequest& wanted = batch.jobs[job].due.request;
+        const EncodedPictures pictures =
+            encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
+        const Clock::time_point encoded = Clock::now();
+        metrics_.encoded(uint32_t(views.size()));
+        for (; next < batch.jobs.size(); ++next) {
+            const BatchJob& one = batch.jobs[next];
+            if (one.pictures != job) continue;
+            auto frame = std::make_shared<EncodedFrame>();
+            frame->id = one.due.frame_id;
+            frame->tick = batch.tick;
+            frame->state_hash = batch.state_hash;
+            frame->request = one.due.request;
+            frame->request.quality = pictures.quality;
+            frame->repeats = one.due.repeats;
+            frame->wait_ms = Millis(batch.taken - one.due.request.received).count();
+            frame->render_ms = Millis(batch.done - batch.taken).count();
+            frame->encode_ms = Millis(encoded - batch.done).count();
+            frame->gpu_ms = one.gpu_ms;
+            frame->error = batch.error;
+            frame->measured = one.measured;
+            frame->encoded = encoded;
+            frame->jpeg = pictures.bytes;
+            frame->png = pictures.format == PictureFormat::png;
+            metrics_.rendered(*frame);
+            one.viewer->deliver(std::move(frame));
+        }
+        return;
+    } catch (const std::exception& e) {
+        spdlog::error("a picture is lost: {}", e.what());
+    } catch (...) {
+        spdlog::error("a picture is lost");
+    }
+    for (; next < batch.jobs.size(); ++next) {
+        if (batch.jobs[next].pictures != job) continue;
+        metrics_.failed();
+        batch.jobs[next].viewer->abandon(batch.jobs[next].due.frame_id);
+    }
+}
+
+} // namespace brume
