@@ -12,7 +12,7 @@
 #include "shaders/shared/slab_growth.h"
 
 const uint kMostSlabs = 512;
-// The largest panels of four nodes; docs/methods.md has the errors.
+// The largest panels of four nodes; docs/models.md has the errors.
 const float kMostAngle = 1.3; // rad
 const float kMostDepth = 2;   // optical depth
 // Breaks on both sides of the place closest to the light: as parts of the half chord in the range, and of the length in

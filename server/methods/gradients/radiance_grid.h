@@ -1,6 +1,6 @@
 // RadianceGrid: the light at nodes of world space, as LitGrid has it, but computed at few places and interpolated (Ren,
 // Zhou, Lin, Guo, Gradient-based Interpolation and Sampling for Real-time Rendering of Inhomogeneous, Single-scattering
-// Media, 2008; docs/methods.md).
+// Media, 2008; docs/models.md).
 #pragma once
 
 #include <array>
