@@ -30,13 +30,14 @@ struct EffectInputs {
 };
 
 // Effects are asked in the order of list.h, and give what others and methods read of them to TickInputs. Nothing of an
-// effect is on the device when prepare() is called; from then on only recording follows. What a recording function
-// writes is visible to compute and draws when it returns.
+// effect is on the device when prepare() is called; from then on only recording follows. What a recording function has
+// written is visible to compute when it returns; of recordTick() and recordHue() also to draws.
 class Effect {
 public:
     virtual ~Effect() = default;
 
-    // Makes room for a submission. What the effect gives is bound from here on, whether or not it is read.
+    // Makes room for a submission. At the end of recordTick() TickInputs has a resource for every name that a shader
+    // declares of this effect, whether or not it is read.
     virtual void prepare(const EffectInputs& /*in*/, TickInputs& /*tick*/) {}
     // Records what all eyes and hues share.
     virtual void recordTick(gpu::Commands& /*commands*/, const EffectInputs& /*in*/, TickInputs& /*tick*/) {}
@@ -47,10 +48,10 @@ public:
     // Records what a group's pixels read besides its field, after the medium and before they are composed.
     virtual void recordField(gpu::Commands& /*commands*/, const ViewGroup& /*group*/) {}
 
-    // Layers that a picture is the sum of, besides that of the whole medium. One effect may have some.
+    // Layers that a picture is the sum of, besides that of the whole medium. At most one effect has any.
     virtual uint32_t layersOf(const EyeInputs& /*in*/) const { return 0; }
-    // Takes from the target what it holds of a layer, and sets it up for the next one. `drawn` counts up from 0, the
-    // whole medium before surfaces, to `layers`, after which the target holds the picture.
+    // Takes from the target what it holds of a layer, and sets it up for the next one. It is called layers + 1 times:
+    // with `drawn` 0 after the whole medium, then after each layer. After the last call the target holds the sum.
     virtual void recordLayer(gpu::Commands& /*commands*/, const ViewGroup& /*group*/, uint32_t /*drawn*/,
                              uint32_t /*layers*/) {}
 
@@ -58,7 +59,7 @@ public:
     virtual uint64_t pictureBytes() const { return 0; }
     // Frees the memory of pictures, and what takes much besides. Precondition: nothing of it is on the device.
     virtual void giveBack() {}
-    // Makes everything again next time, for measurements.
+    // Drops what the effect keeps though the medium changes, for measurements.
     virtual void forget() {}
 };
 

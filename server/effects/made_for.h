@@ -21,11 +21,11 @@ inline Versions versionsOf(const TickInputs& tick, const MediumView& medium) {
 template <class Key>
 class MadeFor {
 public:
-    // True: it was made for this key. It is thought to be so from now on.
-    bool is(const Key& key) {
-        if (key_ == key) return true;
+    // True: it was made for another key, and is to be made again. This key is remembered.
+    bool outdated(const Key& key) {
+        if (key_ == key) return false;
         key_ = key;
-        return false;
+        return true;
     }
     void forget() { key_.reset(); }
 

@@ -18,7 +18,8 @@ using Millis = std::chrono::duration<float, std::milli>;
 constexpr auto kLookAtDeferred = std::chrono::seconds(1); // for those who have waited long enough
 // That a snapshot waits for its shaders. Then it is drawn another way.
 constexpr auto kLongestDeferral = std::chrono::seconds(10);
-constexpr std::chrono::milliseconds kKnown{700}; // within which shaders are drawn with that are compiled already
+// The most that first pictures take when the driver has their shaders in its cache.
+constexpr std::chrono::milliseconds kKnown{700};
 
 double pixelsOf(std::span<const PlanView> views) {
     double pixels = 0;
@@ -97,7 +98,7 @@ void Drawing::warmUp() {
     } else { // cameras that go anywhere are drawn this way until others are compiled
         const Clock::time_point begun = Clock::now();
         pictures.drawForEveryCamera(planned, false);
-        const bool known = Clock::now() - begun < kKnown; // by the driver, and the shaders of measuring probably, too
+        const bool known = Clock::now() - begun < kKnown; // the shaders of measuring probably are, too
         if (known)
             WarmUp(*renderer_, batches_.front()->submission, *shown_.scene, shown_.simulation, true)
                 .draw(planned, false);
@@ -110,9 +111,9 @@ void Drawing::prepare(const Scene& scene, uint32_t capacity) {
     renderer_.emplace(device_, scene, capacity);
 }
 
-void Drawing::begin() {
+void Drawing::showScene() {
     ways_.clear(shown_.drawn);
-    planning_.begin(frame_ms_);
+    planning_.showScene(frame_ms_);
     measuring_.forget();
 }
 
@@ -181,15 +182,15 @@ bool Drawing::render(Batch& batch) {
     for (EyeRequest& eye : batch.eyes)
         eye.rate = planner.rateOf({eye.pose, eye.width, eye.height}, settings, batch.still_pictures);
     batch.settings = settings;
-    measuring_.begin(batch, planner, ways_);
+    measuring_.before(batch, planner, ways_);
     if (!submit(batch, settings)) return false;
     planner.refresh(shown_.simulation, batch.views, batch.taken);
     return true;
 }
 
-// Neither the plan of the viewers nor their times take part in it, nor are they changed by it. It waits for its
-// shaders, since another way would give another picture. After kLongestDeferral any way that is compiled does; without
-// one it waits on. Nobody else waits.
+// A one-shot picture has a plan of its own, which neither depends on that of the viewers nor changes it. The picture
+// waits for that plan's shaders, since another way would give another picture. After kLongestDeferral any way will do
+// whose shaders are compiled; without one the picture waits on. Nobody else waits.
 bool Drawing::renderOneShot(Batch& batch) {
     const bool late = batch.taken - batch.jobs.front().due.request.received > kLongestDeferral;
     const Candidate way = planning_.planner().once(shown_.simulation, batch.views.front(), late);
@@ -216,7 +217,7 @@ bool Drawing::submit(Batch& batch, const RenderSettings& settings) {
     submitter_ = std::this_thread::get_id();
     try {
         checkPictures(batch.eyes, full, features, picture_memory_ / 2, mostPlaneBytes());
-        renderer_->draws(shown_.drawn);
+        renderer_->drawOnly(shown_.drawn);
         renderer_->submit(batch.submission, shown_.simulation, batch.eyes, &settings, full);
     } catch (const gpu::DeviceLost&) {
         throw;
@@ -227,7 +228,7 @@ bool Drawing::submit(Batch& batch, const RenderSettings& settings) {
         drop(batch, "out of memory; use smaller pictures, fewer viewers or fewer particles");
         return false;
     }
-    batch.compiled = pipelines_made_ != pipelines_before;
+    batch.waited = pipelines_made_ != pipelines_before;
     idle_memory_.use(Renderer::pictureBytes(batch.eyes, full, features), batch.taken);
     return true;
 }
@@ -256,8 +257,8 @@ uint64_t Drawing::pictureBytes() const {
     return bytes;
 }
 
-// A batch that cannot be drawn: its viewers get other frames later, but for the one with the largest pictures, who is
-// told why.
+// A batch that cannot be drawn. The viewer with the largest pictures is sent away, and the log says why. The others get
+// later frames.
 void Drawing::drop(Batch& batch, const char* why) {
     const auto pixels = [](const BatchJob& job) {
         return uint64_t{job.due.request.width} * job.due.request.height * job.due.request.views;
@@ -271,7 +272,7 @@ void Drawing::drop(Batch& batch, const char* why) {
         metrics_.failed();
         job.viewer->abandon(job.due.frame_id);
     }
-    measuring_.end(batch, false);
+    measuring_.after(batch, false);
     largest->viewer->refuse("the device cannot draw pictures of this size: ask for smaller ones");
     const auto slot =
         std::find_if(batches_.begin(), batches_.end(), [&](const auto& one) { return one.get() == &batch; });
@@ -283,13 +284,13 @@ void Drawing::drop(Batch& batch, const char* why) {
 void Drawing::done(Batch& batch) {
     on_device_ = nullptr;
     batch.done = Clock::now();
-    measuring_.end(batch, true);
+    measuring_.after(batch, true);
     const float took = Millis(batch.done - batch.taken).count();
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
     const DeviceLedger::Times times = ledger_.book(samples, batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);
-    if (!batch.compiled) {
-        // The pictures of others are not less accurate for who looks at how they are made.
+    if (!batch.waited) {
+        // Who looks at how a picture is made costs more time. Accuracy is not given up for that.
         const auto planned = float(std::max(double(took) - times.shown_ms, 0.0));
         if (!batch.one_shot) planning_.planner().took(double(planned * batch.full_batch_ratio), batch.done);
         measuring_.learnCosts(batch, samples, planning_.planner());

@@ -22,7 +22,7 @@ namespace brume {
 
 class Drawing {
 public:
-    // Draws one picture that nobody sees, so that the first viewer does not wait for its shaders. All but `options`
+    // Draws a few pictures that nobody sees, so that the first viewer waits for no shaders. All but `options`
     // outlive it. Throws SceneError, gpu::Error.
     Drawing(ShownScene& shown, const gpu::Device& device, Audience& audience, Metrics& metrics,
             const FrameOptions& options);
@@ -49,7 +49,7 @@ public:
     // nothing is on the device.
     void prepare(const Scene& scene, uint32_t capacity);
     // The scene that is shown is another one from now on. Precondition: it was prepared.
-    void begin();
+    void showScene();
 
     // Tells viewers how much of the device's time they have, and what was measured. Every 100 ms.
     void tellLoad(Clock::time_point now);

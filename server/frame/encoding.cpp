@@ -22,9 +22,10 @@ Encoding::Encoding(Metrics& metrics) : metrics_(metrics), workers_(std::clamp(us
 
 void Encoding::take(Batch& batch) {
     const std::span<const PictureView> pictures = batch.submission.pictures();
-    batch.pending = uint32_t(std::ranges::count_if(batch.jobs, [&](const BatchJob& job) { return batch.draws(job); }));
+    batch.pending =
+        uint32_t(std::ranges::count_if(batch.jobs, [&](const BatchJob& job) { return batch.isDrawnFor(job); }));
     for (const BatchJob& job : batch.jobs) {
-        if (!batch.draws(job)) continue;
+        if (!batch.isDrawnFor(job)) continue;
         workers_.give(
             [this, &batch, &job, views = pictures.subspan(job.first_eye, job.due.request.views)](JpegEncoder& jpeg) {
                 deliver(batch, job.pictures, views, jpeg);

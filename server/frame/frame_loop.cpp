@@ -64,7 +64,7 @@ void FrameLoop::stop() {
 // frame   Encoding: planes -> encodePictures -> Viewer::deliver                       per viewer, on its threads
 void FrameLoop::run() {
     if (const auto beginning = ticks_->beginning())
-        begin(*beginning);
+        goOnFrom(*beginning);
     else if (ticked_)
         ticked_(shown_.simulation, {}, false);
     audience_.ready = told_.serves = ticks_->serves();
@@ -86,7 +86,7 @@ void FrameLoop::run() {
         if (!drawing_.isBusy()) takeScene();
         const Clock::time_point now = Clock::now();
         if (!drawing_.isBusy()) drawing_.giveBack(now);
-        if (const auto beginning = ticks_->beginning()) begin(*beginning);
+        if (const auto beginning = ticks_->beginning()) goOnFrom(*beginning);
         const bool sought = ticks_->seeks();
         while (ticks_->take(now, commands_)) {
             tick();
@@ -157,12 +157,12 @@ void FrameLoop::followLists() {
     const SceneFeatures now = featuresOf(shown_.simulation.now());
     if (!drawing_.ways().follow(now) || now == shown_.drawn) return;
     shown_.drawn = now;
-    drawing_.planning().planner().draws(now);
+    drawing_.planning().planner().drawOnly(now);
     changed();
 }
 
 // Goes on from another state of the same scene.
-void FrameLoop::begin(std::span<const std::byte> state) {
+void FrameLoop::goOnFrom(std::span<const std::byte> state) {
     shown_.simulation.load(state);
     changed();
     if (ticked_) ticked_(shown_.simulation, {}, false);
@@ -203,7 +203,7 @@ void FrameLoop::takeScene() {
     shown_.simulation = std::move(next->simulation);
     shown_.drawn = featuresOf(shown_.simulation.now());
     ++shown_.version;
-    drawing_.begin();
+    drawing_.showScene();
     audience_.setScene(std::move(facts));
     audience_.prepare({}); // it is there
     report(Clock::now());

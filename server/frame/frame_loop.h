@@ -20,7 +20,7 @@ class FrameLoop {
 public:
     using Options = FrameOptions;
 
-    // Draws one picture that nobody sees, so that the first viewer does not wait for its shaders. `device`,
+    // Draws a few pictures that nobody sees, so that the first viewer waits for no shaders. `device`,
     // `audience` and `metrics` outlive the loop. Throws SceneError, gpu::Error.
     FrameLoop(const Scene& scene, const gpu::Device& device, Audience& audience, Metrics& metrics,
               const Options& options);
@@ -58,7 +58,7 @@ private:
     void followTicks(bool sought);
     void followLists();
     void takeScene();
-    void begin(std::span<const std::byte> state);
+    void goOnFrom(std::span<const std::byte> state);
     void changed();
     void report(Clock::time_point now);
 

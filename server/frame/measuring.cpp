@@ -31,7 +31,7 @@ Measuring::Measuring(const ShownScene& shown, const gpu::Device& device, const F
     : shown_(shown), device_(device), meter_(options.measure_error), learns_costs_(options.learn_costs),
       on_costs_(options.on_costs), on_errors_(options.on_errors) {}
 
-void Measuring::begin(Batch& batch, const Planner& planner, const CompiledWays& ways) {
+void Measuring::before(Batch& batch, const Planner& planner, const CompiledWays& ways) {
     choose(batch, planner, ways);
     show(batch);
     tell(batch);
@@ -48,7 +48,7 @@ void Measuring::choose(Batch& batch, const Planner& planner, const CompiledWays&
     }
     drawn_viewers_.clear();
     for (const BatchJob& job : batch.jobs)
-        if (batch.draws(job)) drawn_viewers_.push_back(job.viewer->id());
+        if (batch.isDrawnFor(job)) drawn_viewers_.push_back(job.viewer->id());
     std::unique_ptr<MeterJob> job = meter_.begin(drawn_viewers_, batch.taken);
     if (!job) return;
     const auto of = std::ranges::find(batch.jobs, job->viewer, [](const BatchJob& one) { return one.viewer->id(); });
@@ -92,7 +92,7 @@ void Measuring::show(Batch& batch) {
     shown_errors_.clear();
     const auto each = [&](const auto& visit) { // a job's pictures; the right eye's are not measured
         for (const BatchJob& job : batch.jobs)
-            if (batch.draws(job) && job.due.request.show == gpu::kShowError) visit(job, batch.eyes[job.first_eye]);
+            if (batch.isDrawnFor(job) && job.due.request.show == gpu::kShowError) visit(job, batch.eyes[job.first_eye]);
     };
     std::vector<size_t> counts;
     each([&](const BatchJob& job, const EyeRequest& eye) {
@@ -107,7 +107,7 @@ void Measuring::show(Batch& batch) {
     });
 }
 
-void Measuring::end(Batch& batch, bool drawn) {
+void Measuring::after(Batch& batch, bool drawn) {
     if (!batch.measured) return;
     ProbeReading& probe = batch.submission.probe;
     if (!drawn) return meter_.drop(std::move(batch.measured));

@@ -24,9 +24,9 @@ public:
 
     // Before a batch of moving or still pictures is drawn: chooses pixels to read back with it, if it is time; shows
     // what is known to those who look at their error; and says it to all.
-    void begin(Batch& batch, const Planner& planner, const CompiledWays& ways);
+    void before(Batch& batch, const Planner& planner, const CompiledWays& ways);
     // After it was drawn, or was not: takes those pixels.
-    void end(Batch& batch, bool drawn);
+    void after(Batch& batch, bool drawn);
     // The times of a batch's passes, one by one: corrects the planner's costs by them from time to time.
     void learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples, Planner& planner);
     // What was measured since the last call, to be called ten times a second: the planner hears it, and the log when a

@@ -15,7 +15,7 @@ Planning::Planning(ShownScene& shown, ReadyWays& ways, const FrameOptions& optio
     : shown_(shown), ways_(ways), costs_(options.costs), most_frame_ms_(options.most_frame_ms),
       planner_(std::in_place, *shown.scene, options.costs, options.frame_ms, &ways) {}
 
-void Planning::begin(double frame_ms) {
+void Planning::showScene(double frame_ms) {
     planner_.emplace(*shown_.scene, costs_, frame_ms, &ways_);
     priced_.reset();
     list_ms_ = 0;

@@ -32,7 +32,7 @@ public:
     bool isLate(Time now) const { return drawn_before_ && now >= next_asked_; }
 
     // Another scene is shown: nothing is planned yet.
-    void begin(double frame_ms);
+    void showScene(double frame_ms);
     // Says what another light or object would cost, after lists have changed.
     void priceLists(CommandQueue& commands);
 

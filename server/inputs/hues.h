@@ -1,5 +1,4 @@
-// Hues: red, green and blue where the extinction of some medium differs among them. The medium is then drawn once for
-// each of them, as a grey one.
+// Hues: sets of channels in which all extinctions are alike. The medium is drawn once for each of them, as a grey one.
 #pragma once
 
 #include <array>

@@ -11,9 +11,10 @@ namespace brume {
 
 // Without a volume of the particles' depth.
 gpu::LocalLight localLightBlock(const Light& light);
-// Gives it a volume of the particles' depth that begins after `before` numbers of others. Returns how many it has. Its
-// directions are those to the particles that the light shines on. They and its distances are as fine as the particles
-// ask for, within bounds by the work and the size of all volumes. `particles`: how many; `lights`: those with a volume.
+// Gives the light a volume of the particles' depth, for directions to the particles that it shines on. Returns the
+// volume's size, in numbers. Directions and distances are as fine as the particles ask for, and coarser where all
+// volumes would take too much work or memory. `before`: size of the volumes of other lights, which lie before it.
+// `particles`: how many there are; `lights`: how many have a volume.
 uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t particles, uint32_t lights,
                    uint32_t before);
 

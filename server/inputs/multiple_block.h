@@ -10,7 +10,8 @@
 namespace brume {
 
 // Fluxes have the mean albedo of the particles, by extinction and volume; three channels where it or the albedo of
-// an object is coloured. A union medium and none have single scattering.
+// an object is coloured. Light scatters once in a union medium, and where there are no
+// particles.
 void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
                  std::span<const gpu::Opaque> objects);
 

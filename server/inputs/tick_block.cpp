@@ -166,7 +166,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
     setMultiple(tick, now, particles, objects);
-    if (hasBalls(now.medium, now.render)) setBalls(tick, now.medium, now.render, particles);
+    if (needsBalls(now.medium, now.render)) setBalls(tick, now.medium, now.render, particles);
     addMeshes(tick, scene);
     LightBounds casters;
     for (const gpu::Opaque& o : objects) {

@@ -1,5 +1,5 @@
-// What all eyes of one submission share: the scene beside its particles, the light's maps, and where finished pictures
-// go.
+// What all eyes of one submission read: the scene, its particles, maps of light, the hue that is being recorded, and
+// where finished pictures go.
 #pragma once
 
 #include <array>

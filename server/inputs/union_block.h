@@ -8,8 +8,8 @@
 
 namespace brume {
 
-// True: something may ask what light passes between the balls.
-inline bool hasBalls(const Medium& medium, const RenderSettings& render) {
+// True: the medium is a union of balls, or the settings take the sun's light as if it were.
+inline bool needsBalls(const Medium& medium, const RenderSettings& render) {
     return medium.model == kUnionMedium || render.tiles.light == "path";
 }
 

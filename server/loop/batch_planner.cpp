@@ -141,7 +141,7 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
             out.views.push_back(
                 {eyePose(request.pose, eye, request.views), request.width, request.height, one->viewer});
     }
-    // Predicted times hold those of views of how pictures are made, which are no reason for less accuracy.
+    // Who looks at how a picture is made costs more time. Accuracy is not given up for that.
     const bool shows = std::ranges::any_of(requests_, [](const PoseRequest& r) { return r.show != gpu::kShowPicture; });
     if (!shows && schedule_.chosenMs() > 0)
         out.full_batch_ratio = float(schedule_.fullBatchMs() / schedule_.chosenMs());

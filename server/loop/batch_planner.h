@@ -34,7 +34,7 @@ struct BatchContents {
     // True: redraws views that have not changed for 150 ms, with less error and full colour.
     bool still_pictures = false;
     bool one_shot = false;      // True: one picture of PoseRequest::one_shot; it says nothing about the viewers' load
-    uint32_t seat = 0;          // of a one-shot picture: its owner's in the schedule
+    uint32_t seat = 0;          // of a one-shot picture: the number by which the schedule knows its owner
     float full_batch_ratio = 1; // predicted time of a batch with all due viewers / of this batch; at least 1
 };
 
@@ -92,7 +92,8 @@ private:
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;
 
     Schedule schedule_;
-    std::map<std::string, uint32_t> seats_; // of owners whose one-shot pictures wait, as if each were a viewer
+    // Numbers by which the schedule knows owners whose one-shot pictures wait. Each has a viewer's turn.
+    std::map<std::string, uint32_t> seats_;
     uint32_t next_seat_ = kFirstSeat;
     std::vector<double> wishes_, most_pixels_; // by viewer: device time, predicted; Viewer::pollDue()
     std::vector<uint32_t> present_;            // ids in the schedule

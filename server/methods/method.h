@@ -15,14 +15,14 @@
 
 namespace brume {
 
-// What shaders have counted. Not all methods count.
+// Numbers that shaders have counted, of methods that count.
 struct LightWork {
-    uint64_t voxel_rays = 0;  // shadow rays to the voxels that viewers share
-    uint64_t froxel_rays = 0; // shadow rays to the froxels of shadow frusta
-    uint64_t places = 0;      // for which light was computed
-    uint64_t samples = 0;     // of them, between which light is interpolated
-    uint64_t nodes = 0;       // in the medium that no sample reached, computed one by one
-    uint64_t holes = 0;       // nodes in the medium without light
+    uint64_t voxel_rays = 0;  // shadow rays from the voxels that viewers share
+    uint64_t froxel_rays = 0; // shadow rays from the froxels of shadow frusta
+    uint64_t places = 0;      // places where light was computed
+    uint64_t samples = 0;     // the places between which light is interpolated
+    uint64_t nodes = 0;       // nodes of the medium where light was computed, since no sample reaches them
+    uint64_t holes = 0;       // nodes of the medium that have no light
 
     bool operator==(const LightWork&) const = default;
     bool any() const { return *this != LightWork(); }
@@ -56,8 +56,9 @@ public:
     // is everyone's. Ends with its writes visible to compute.
     virtual void recordTick(gpu::Commands& /*commands*/, const TickInputs& /*tick*/, const MediumView& /*medium*/) {}
     // Records the medium of one group: into its target, over the background that compute passes have written there, or
-    // into its field. The group comes from prepare(); with MethodNeeds::draws it may also be a coarse picture of one
-    // eye, or the same again up to sheets of glass (EyeInputs::is_layer). Ends with its writes visible to compute.
+    // into its field. The group comes from prepare(); with MethodNeeds::writes_target it may also be a coarse picture
+    // of one eye, or the same again up to sheets of glass (EyeInputs::is_layer). Ends with its writes visible to
+    // compute.
     virtual void recordGroup(gpu::Commands& commands, const ViewGroup& group) = 0;
 
 protected:

@@ -67,7 +67,7 @@ std::string absent(const SceneFeatures& f) {
 std::string wayText(const RenderSettings& settings) { return planOf(settings.method)->text(settings); }
 
 std::string waitsFor(const Plan& plan) {
-    return plan.within || plan.relaxed > 0 || plan.wanted.empty() ? "" : plan.wanted.front().method;
+    return plan.within || plan.relaxed > 0 || plan.missing.empty() ? "" : plan.missing.front().method;
 }
 
 std::string summary(const Plan& plan) {

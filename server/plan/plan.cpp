@@ -188,8 +188,8 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     plan.views = std::max(inputs.pictures, inputs.views.size());
     const auto less = [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); };
     plan.chosen = *std::ranges::min_element(all, less);
-    prices.addMissing(plan.chosen.settings, plan.wanted);
-    if (!plan.wanted.empty()) {
+    prices.addMissing(plan.chosen.settings, plan.missing);
+    if (!plan.missing.empty()) {
         std::vector<RenderSettings> compiled;
         std::ranges::copy_if(ways, std::back_inserter(compiled), inputs.compiled);
         if (!compiled.empty()) ways = std::move(compiled);
@@ -199,7 +199,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
     }
     prices.setCompiledOnly();
     if (const auto used = prices.before(all)) {
-        const double worse = plan.wanted.empty() ? kWorse : kWorseMeanwhile;
+        const double worse = plan.missing.empty() ? kWorse : kWorseMeanwhile;
         const bool fine_enough = used->excess <= worse * std::max(plan.chosen.excess, 1.0);
         const bool dear = used->ms() > kDearer * plan.chosen.ms();
         if (fine_enough && (!dear || inputs.patient)) {
@@ -218,7 +218,7 @@ Plan makePlan(const PlanInputs& inputs, const CostModel& model) {
             const double kept = taken ? kKept : 1, least = taken ? kLeastSaved / 2 : kLeastSaved;
             if (c.predicted && plan.chosen.ms() - c.ms() < least * plan.chosen.ms()) return false;
             if (inputs.compiled && !inputs.compiled(way)) {
-                prices.addMissing(way, plan.wanted);
+                prices.addMissing(way, plan.missing);
                 return false;
             }
             return (c.predicted ? c.excess : prices.lightErrorOf(way) / double(wanted.error)) <= kept * kMostRelaxed;

@@ -43,9 +43,9 @@ struct Candidate {
     double error = 0;        // relative RMSE of the worst view; 1, that of a black picture, if it is not predicted
     double flip = 0;         // mean FLIP that belongs to the error; 1 if that is not predicted
     bool predicted = true;   // False: the method has no law of its error
-    // The largest error of a view as a part of what that view may have: the budgets, or 1.1 times the least error that
-    // any way has in it. So a view in which nothing holds the budgets does not make others coarse. Infinite if the
-    // error is not predicted, or 1 where any error is allowed.
+    // The largest, over views, of a view's error by the error that it may have; at most 1: the way will do. A view may
+    // have the budgets. Where no way keeps them, it may have 1.03 times the least error of any way (kNearBest), so that
+    // it does not make other views coarse. An error without a law makes it infinite, or 1 where any error is allowed.
     double excess = 0;
     double shared_ms = 0; // per tick
     double views_ms = 0;  // of all views together
@@ -55,7 +55,12 @@ struct Candidate {
 };
 
 // What keeps the plan from a cheaper way.
-enum class Limit : uint8_t { time, error, flip, both }; // time: it is the cheapest of all ways; both: error and FLIP
+enum class Limit : uint8_t {
+    time,
+    error,
+    flip,
+    both
+}; // time: it is the cheapest of all ways; both: each budget alone would do
 
 // The plans of all methods (methodPlans()), for PlanInputs.
 std::vector<const MethodPlan*> allMethods();
@@ -69,18 +74,18 @@ struct PassCost {
 
 struct Plan {
     Candidate chosen;
-    std::vector<PassCost> passes;       // of the frame
-    std::vector<Candidate> others;      // the best way of each method and rate that was not chosen
-    size_t views = 1;                   // that are drawn
-    std::vector<RenderSettings> wanted; // ways that would have been taken if they were compiled, with the views' rates
-    std::string refused;                // "METHOD: reason" for a method that the scene does not allow; empty: none
+    std::vector<PassCost> passes;        // of the frame
+    std::vector<Candidate> others;       // the best way of each method and rate that was not chosen
+    size_t views = 1;                    // that are drawn
+    std::vector<RenderSettings> missing; // ways that would have been taken if they were ready, with the views' rates
+    std::string refused;                 // "METHOD: reason" for a method that the scene does not allow; empty: none
     bool within = true;        // True: the error budget holds; false: the cheapest of the most accurate ways was taken
-    bool kept = false;         // True: PlanInputs::before was kept, though another way is cheaper
+    bool kept = false;         // True: PlanInputs::before was kept, though another way is a little cheaper
     bool by_patience = false;  // True: it would not have been without PlanInputs::patient
     Limit limit = Limit::time; // before overload
     RenderSettings base;       // the settings before overload
     // Overload steps taken, of those asked for. They end at ten times the error budget, and at 15 times if the last
-    // plan took them. A step that saves less than 2 % of the time is passed over.
+    // plan took them. A step is passed over if it saves less than 2 % of the time, or 1 % if the last plan took it.
     uint32_t relaxed = 0;
     double less_relaxed_ms = 0; // predicted time one overload step earlier
     double still_ms = 0;        // predicted time with finer(), for still pictures

@@ -151,7 +151,7 @@ void Planner::make() {
     if (inputs_.compiled) waitForShaders();
     inputs_.before = plan_.base;
     inputs_.before_deviation_px = plan_.reference_deviation_px;
-    for (const RenderSettings& way : plan_.wanted) {
+    for (const RenderSettings& way : plan_.missing) {
         if (!ways_) break;
         ways_->want(way, false); // also where its pictures have several hues: its pixels are read back then
         if (inputs_.scene.hues > 1) ways_->want(way, true);
@@ -201,7 +201,7 @@ void Planner::waitForShaders() {
         Plan old = makePlan(inputs_, costs_.model());
         inputs_.scene.wanted = asked;
         if (!drawable(old)) return;
-        old.wanted = std::move(plan_.wanted);
+        old.missing = std::move(plan_.missing);
         old.refused = std::move(plan_.refused);
         plan_ = std::move(old);
     }

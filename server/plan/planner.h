@@ -70,7 +70,7 @@ public:
     // up, and when it is back.
     void took(double ms, Time now);
     // From the next plan on: pictures show only what shaders with these features draw.
-    void draws(const SceneFeatures& lists) { lists_ = lists; }
+    void drawOnly(const SceneFeatures& lists) { lists_ = lists; }
     void setFrameBudget(double ms) { overload_.setBudget(ms); }
 
     // True: frames took too long with no accuracy left to give up, and have not been short enough since.

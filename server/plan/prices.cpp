@@ -92,9 +92,10 @@ std::optional<Candidate> Prices::before(const std::vector<Candidate>& all) {
     if (same == all.end() || !own_rates) return same == all.end() ? std::nullopt : std::optional(*same);
     RenderSettings now = same->settings; // what the plan does not choose may have changed
     now.rate = before.rate;
-    const double anew = std::exchange(deviation_, inputs_.before_deviation_px);
+    // Each view's rate is as it was chosen then.
+    const double reference = std::exchange(deviation_, inputs_.before_deviation_px);
     const Candidate used = of(now);
-    deviation_ = anew;
+    deviation_ = reference;
     return used;
 }
 

@@ -13,6 +13,8 @@ bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings);
 // True: equal in all that the plan chooses.
 bool sameWay(const RenderSettings& a, const RenderSettings& b);
 
+// Rates and errors depend on what was set before. The order: setAllowed(), with all ways; setCompiledOnly(), where
+// shaders are compiled behind; add() of each way; before(), and keepReference() if that way is kept.
 class Prices {
 public:
     // Both outlive it.

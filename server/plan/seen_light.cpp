@@ -85,6 +85,7 @@ double radianceOf(const SampledParticle& p, std::span<const SampledParticle> all
 //   S = sum over i of  n_i a_i L_i^2 pi s_i^2   +   sum over pairs of  n_i n_j a_i L_i L_j G_ij
 //   G_ij = 2 pi s_i^2 s_j^2 / w  exp(-d^2 / 2 w),   w = s_i^2 + s_j^2 n_j^(2/3)
 //
+// a: Disc::share; L: radiance; s: deviation, pixels; n: SampledParticle::weight.
 // A disc's square has the integral pi s^2, and the product of two has G: with the deviation of one and of the cluster
 // that the n_j others form, d pixels apart. Of a particle's own kind there are n_i - 1 others.
 double squaredLight(std::span<const Disc> discs, std::span<const SampledParticle> all) {
@@ -173,9 +174,9 @@ void SeenLight::add(const SampledParticle& p, double outline, const Size& one, d
     size.extinction += one.light * square(p.extinction);
 }
 
-// From sums to means, of the sizes that there are.
+// From sums to means, of the sizes that there are. They move to the front.
 void SeenLight::takeMeans() {
-    for (const Size& size : sizes_) {
+    for (const Size size : sizes_) {
         if (!(size.part > 0)) continue;
         Size& mean = sizes_[count_++];
         mean = {.projected = std::pow(size.projected / size.part, -1.0 / 6),

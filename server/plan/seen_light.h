@@ -28,7 +28,8 @@ public:
         double light = 0;      // part of the light that reaches the eye
         double extinction = 0; // 1/m, of the whole medium there, root mean square by light
     };
-    // Not empty ones, small ones first. Empty where nothing of the medium is seen.
+    // Sizes that have particles, small ones first. Where no particle of the sample is seen there is none, or a mean one
+    // if each of the sample stands for several.
     std::span<const Size> sizes() const { return {sizes_.data(), count_}; }
     // Mean optical depth between what is seen and the light, weighted by the light that it sends to the eye.
     double lightDepth() const { return light_depth_; }

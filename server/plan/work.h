@@ -115,7 +115,8 @@ public:
     double pixel() const { return pixel_; } // width of a pixel, m per m of view depth
     double near() const { return near_; }   // m of view depth: where the medium in front of the eye begins, ends
     double far() const { return far_; }
-    bool inside() const;                       // True: the eye is in the medium's bounds
+    // True: along the view axis the medium's bounds begin at the near plane or before it. isInside() is of the bounds.
+    bool inside() const;
     bool sees() const { return far_ > near_; } // True: some particles may be in front of the eye
     // True: there is something to err at, particles or fog that rays are sampled for.
     bool errs() const { return sees() || (scene_.features.fog && scene_.needsRays()); }

@@ -11,7 +11,8 @@ namespace brume {
 namespace {
 
 constexpr size_t kMostOfCells = 64; // objects
-// True: of a layout none is born and none dies.
+
+// True: particles of this layout live from the scene's start to its end.
 bool staysTheSame(Layout layout) {
     return layout != Layout::emitter && layout != Layout::sequence && layout != Layout::live;
 }
@@ -162,7 +163,8 @@ Method& Renderer::methodFor(const RenderSettings& settings) {
 uint32_t Renderer::drawingStep(const MethodNeeds& needs) const {
     const uint32_t rate = now_.render.rate;
     // Between drawn pixels every object's shadow is looked for at each. Sheets of glass end rays in every pixel.
-    if (!needs.draws || needs.every_pixel || features_.glass || rate < 2 || objects_.all().size() > kMostOfCells)
+    if (!needs.writes_target || needs.every_pixel || features_.glass || rate < 2 ||
+        objects_.all().size() > kMostOfCells)
         return 1;
     return rate >= 8 ? 8 : rate >= 4 ? 4 : 2;
 }

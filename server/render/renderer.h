@@ -69,7 +69,7 @@ public:
                 const RenderSettings* settings = nullptr, bool full = false);
 
     // From the next submission on: of the scene's lists only what shaders with these features draw.
-    void draws(const SceneFeatures& lists) { lists_ = lists; }
+    void drawOnly(const SceneFeatures& lists) { lists_ = lists; }
 
     // Bytes of all pictures of one submission, at most: what the device lets a shader see of one buffer.
     static uint64_t mostPictureBytes(const gpu::Device& device) {
@@ -94,7 +94,7 @@ public:
     // Methods that are kept on the device, with their programs and buffers.
     size_t methodsKept() const { return methods_.size(); }
 
-    // For measurements: the next submission uploads and lights everything again, even if nothing has changed.
+    // For measurements: the next submission uploads and lights the medium again, even if nothing has changed.
     void forget();
 
     // For tests that go through many methods: keeps up to `most` compiled, at least 1, instead of two.
@@ -117,7 +117,7 @@ private:
     std::span<const ViewGroup> groupsOf(Method& method);
     bool needsSurfaces(const ViewGroup& group, const EyeInputs* before) const;
     void recordGroup(Submission& submission, Method& method, const ViewGroup& group, const EyeInputs* before);
-    void recordOverSurfaces(gpu::Commands& commands, const ViewGroup& group);
+    void recordFieldAndCompose(gpu::Commands& commands, const ViewGroup& group);
     void recordLayers(gpu::Commands& commands, Method& method, const ViewGroup& group);
     void enterHue(uint32_t hue);
     void keepHue(gpu::Commands& commands, const ViewGroup& group, uint32_t hue);
@@ -129,8 +129,8 @@ private:
     const Scene scene_;
     ObjectBuffers objects_;
     const MeshBuffers meshes_;
-    std::optional<SceneFeatures> lists_; // nothing: all that there are
-    const SceneFeatures besides_;        // those that are drawn with, whatever the scene has
+    std::optional<SceneFeatures> lists_; // draws(); nothing: everything in the scene's lists is drawn
+    const SceneFeatures besides_;        // that shaders are compiled for, though the scene may lack them
     TickUpload upload_;
     std::optional<TetrahedraBuffers> tetrahedra_; // of a medium of them
     const Effects effects_;
@@ -165,7 +165,7 @@ private:
     TickInputs shared_;
     std::vector<EyeInputs> inputs_;        // one per eye
     std::vector<EyeInputs> coarse_inputs_; // the same eyes at every step_-th pixel, if drawsCoarsely()
-    std::vector<ViewGroup> no_medium_;     // one per eye, for a scene without particles
+    std::vector<ViewGroup> no_medium_;     // one per eye, for a scene with neither particles nor fog
     VkExtent2D last_size_{};               // of the last eye's finished picture
     std::vector<gpu::Buffer> kept_;        // with several hues and keepRadiance(): vec4[], radiance of each
 };

@@ -14,7 +14,7 @@ void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group
     }
     if (hasMedium() && drawsCoarsely()) recordCoarsely(s.commands, method, *group.any);
     if (hasMedium()) method.recordGroup(s.commands, group);
-    recordOverSurfaces(s.commands, group);
+    recordFieldAndCompose(s.commands, group);
     ViewGroup drawn = group;
     if (features_.glass) {
         recordLayers(s.commands, method, group);
@@ -24,8 +24,8 @@ void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group
     if (hasMedium() && !s.probe.pixels.empty()) probe_.record(s.commands, drawn, s.probe, views_[s.probe.eye]);
 }
 
-// The pictures of a field.
-void Renderer::recordOverSurfaces(gpu::Commands& commands, const ViewGroup& group) {
+// Effects add their light to a field. Then pixels are composed, unless layers of glass are still to come.
+void Renderer::recordFieldAndCompose(gpu::Commands& commands, const ViewGroup& group) {
     if (group.field)
         for (const auto& effect : effects_) effect->recordField(commands, group);
     if (group.field || !features_.glass) compose_.record(commands, group);
@@ -43,7 +43,7 @@ void Renderer::recordLayers(gpu::Commands& commands, Method& method, const ViewG
     const uint32_t layers = effect.layersOf(in);
     for (uint32_t drawn = 0; drawn <= layers; ++drawn) {
         if (drawn > 0 && hasMedium() && !group.field) method.recordGroup(commands, layer);
-        if (drawn > 0) recordOverSurfaces(commands, layer);
+        if (drawn > 0) recordFieldAndCompose(commands, layer);
         effect.recordLayer(commands, group, drawn, layers);
     }
 }

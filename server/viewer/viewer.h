@@ -79,16 +79,17 @@ public:
         PoseRequest request;
         bool repeats = false; // True: an earlier frame answered this pose
     };
-    // The request that the next batch may draw. To be called once for each batch, since each call counts: it skips
-    // frames as QualityStep::every says, and it notes when the window of bytes held a request back. Nothing is due
-    // while there is no pose, the viewer's window is hidden, or a window of frames or bytes is full. Nothing is due
-    // either when the picture would equal the last one: same view and same `scene` (a version of all that is seen;
-    // nothing: it always differs); who shows a hidden window again gets one even so. `most_pixels`: of all its eyes
-    // together; a larger picture is made smaller, in steps. `still_picture`: asks for refinements of a still picture
-    // instead. First, after 150 ms, JPEG quality 90 or more. Then, 150 ms later, PNG for a viewer that takes it over a
-    // link that does not queue. Each comes once, but for who looks at errors: that one gets more, unless nothing can be
-    // measured. Both are as large as what the viewer asked for, where `most_pixels` allows it: the device's load, which
-    // is of pictures that come again and again, makes only these smaller.
+    // The request that the next batch may draw; nothing: none is due. Call it once for each batch: a call counts as a
+    // frame, of which QualityStep::every skips some, and notes that the window of bytes was full.
+    // - Nothing is due without a pose, while the viewer's window is hidden, or while a window of frames or bytes is
+    // full.
+    // - Nothing is due when the picture would equal the last one: the view and `scene`, a version of all that is seen,
+    //   are the same. Who shows a hidden window again gets one all the same. `scene` of nothing never is the same.
+    // - `most_pixels`: of all eyes together. A larger picture is made smaller, in steps.
+    // - `still_picture`: true asks for refinements of a picture at rest instead: JPEG of quality 90 or more after 150
+    // ms,
+    //   and PNG 150 ms later, over a link that does not queue. Each comes once. Who looks at errors gets more while
+    //   something can be measured. Refinements have the size that was asked for, if `most_pixels` allows it.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity());
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.

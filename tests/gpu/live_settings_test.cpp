@@ -47,7 +47,7 @@ public:
     // Those that a picture makes now, and that none made before; an eye with a picture before it, and one without.
     std::set<std::string> with(const RenderSettings& settings, const SceneFeatures* drawn = nullptr) {
         made_.clear();
-        if (drawn) renderer_.draws(*drawn);
+        if (drawn) renderer_.drawOnly(*drawn);
         EyeRequest eyes[2];
         for (EyeRequest& eye : eyes) eye = {lookAt({0, 2, 12}, {0, 0, 0}, 0.8f), kWidth, kHeight};
         eyes[1].history = 1;

@@ -140,7 +140,7 @@ TEST(CompiledWays, APlanTakesTheBestCompiledWayAndNamesWhatItWouldHaveTaken) {
     PlanInputs inputs = inputsOf(cube());
     inputs.views = {kInside};
     const Plan free = makePlan(inputs, builtInCosts());
-    EXPECT_TRUE(free.wanted.empty());
+    EXPECT_TRUE(free.missing.empty());
     const WayShaders best = shadersOf(free.chosen.settings, false);
     for (const std::string method : {"slabs", "grid", "tiles"}) {
         inputs.compiled = [&](const RenderSettings& way) {
@@ -148,13 +148,13 @@ TEST(CompiledWays, APlanTakesTheBestCompiledWayAndNamesWhatItWouldHaveTaken) {
         };
         const Plan plan = makePlan(inputs, builtInCosts());
         EXPECT_TRUE(inputs.compiled(plan.chosen.settings)) << summary(plan);
-        ASSERT_EQ(plan.wanted.size(), 1u);
-        EXPECT_EQ(shadersOf(plan.wanted.front(), false), best);
+        ASSERT_EQ(plan.missing.size(), 1u);
+        EXPECT_EQ(shadersOf(plan.missing.front(), false), best);
     }
     inputs.compiled = [&](const RenderSettings& way) { return shadersOf(way, false) == best; };
     const Plan same = makePlan(inputs, builtInCosts());
     EXPECT_EQ(shadersOf(same.chosen.settings, false), best);
-    EXPECT_TRUE(same.wanted.empty());
+    EXPECT_TRUE(same.missing.empty());
     inputs.compiled = [](const RenderSettings&) { return false; };
     const Plan none = makePlan(inputs, builtInCosts());
     EXPECT_EQ(shadersOf(none.chosen.settings, false), best) << "something has to be drawn";
@@ -179,7 +179,7 @@ TEST(CompiledWays, WhatIsInUseStaysForAWhileIfItErrsLittleMore) {
     };
     const auto rateOf = [](const Plan& plan) { return plan.chosen.settings.rate; };
     const Plan little = with(1.3);
-    EXPECT_FALSE(little.wanted.empty()) << summary(little);
+    EXPECT_FALSE(little.missing.empty()) << summary(little);
     EXPECT_EQ(rateOf(little), used.chosen.settings.rate) << summary(little);
     EXPECT_EQ(rateOf(with(4)), 1u);
 }
@@ -200,7 +200,7 @@ TEST(CompiledWays, OverloadAndManyViewsTakeCompiledRatesOnly) {
         const Plan plan = makePlan(inputs, builtInCosts());
         EXPECT_TRUE(rates.contains(plan.chosen.settings.rate)) << summary(plan);
         EXPECT_GT(plan.relaxed, 0u);
-        EXPECT_FALSE(plan.wanted.empty());
+        EXPECT_FALSE(plan.missing.empty());
         EXPECT_NE(free.chosen.settings.rate, plan.chosen.settings.rate) << "or it shows nothing";
     }
 }

@@ -1,5 +1,6 @@
-// Effect `local_lights`: what points and spots add to one eye's picture. First the bins of pixels that each may reach,
-// which the surfaces' shading reads as well; then, with the medium's field, the light that it scatters toward the eye.
+// Effect `local_lights`: what points and spots add. Per tick, the particles' depth toward each light. Per eye, bins of
+// lights for pixels, which the surfaces' shading reads as well. Per group, the light that the medium scatters toward
+// the eye, which is composed with the medium's field.
 #include <algorithm>
 
 #include "server/effects/effect.h"
@@ -55,7 +56,7 @@ public:
     void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& /*tick*/) override {
         const auto has_volume = [](const gpu::LocalLight& light) { return light.volume != gpu::kNoVolume; };
         if (std::ranges::none_of(blocks_, has_volume)) return;
-        if (depths_made_for_.is({in.all.version, blocks_})) return;
+        if (!depths_made_for_.outdated({in.all.version, blocks_})) return;
         const gpu::Commands::Pass pass(commands, "local light depth");
         gpu::everythingBefore(commands.handle());
         depths_program_.with().bind(commands, in.all.resources, {});
@@ -111,10 +112,10 @@ private:
         blocks_.clear();
         uint32_t volumes = 0;
         const uint32_t particles = tick.particle_count;
-        const auto dimmed = uint32_t(std::ranges::count_if(in.now.lists.lights, &Light::shadows));
+        const auto shadowing = uint32_t(std::ranges::count_if(in.now.lists.lights, &Light::shadows));
         for (const Light& light : in.now.lists.lights) {
             gpu::LocalLight& block = blocks_.emplace_back(localLightBlock(light));
-            if (particles > 0 && light.shadows) volumes += setVolume(block, in.extent, particles, dimmed, volumes);
+            if (particles > 0 && light.shadows) volumes += setVolume(block, in.extent, particles, shadowing, volumes);
         }
         return volumes;
     }

@@ -24,8 +24,8 @@ public:
     Plan() : EffectPlan({&costs::kLocalLightDepth, &costs::kLocalLight, &costs::kLitSurfaces}) {}
 
     void addSharedWork(const PlanScene& scene, const RenderSettings& /*settings*/, Work& work) const override {
-        const auto dims = [](const gpu::LocalLight& light) { return light.shadows != 0; };
-        work[costs::kLocalLightDepth] = double(std::ranges::count_if(scene.local_lights, dims)) * scene.particles;
+        const auto shadows = [](const gpu::LocalLight& light) { return light.shadows != 0; };
+        work[costs::kLocalLightDepth] = double(std::ranges::count_if(scene.local_lights, shadows)) * scene.particles;
     }
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         const PlanScene& scene = view.scene();

@@ -15,10 +15,10 @@ public:
 
     void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
         const gpu::Tick& t = *tick.tick;
-        if (!bodies_made_for_.is({t.sun.to_light, t.map.opaque_size, tick.objects_version}))
+        if (bodies_made_for_.outdated({t.sun.to_light, t.map.opaque_size, tick.objects_version}))
             bodies_.record(commands, in.all.resources, t, in.objects);
         // Without meshes the sun does not matter.
-        if (!meshes_made_for_.is({t.triangle_count > 0 ? t.sun.to_light : glm::vec3(0), t.mesh_size}))
+        if (meshes_made_for_.outdated({t.triangle_count > 0 ? t.sun.to_light : glm::vec3(0), t.mesh_size}))
             meshes_.record(commands, in.all.resources, t);
         tick.resources.give(gpu::sampledImage("opaque_shadow", bodies_.image(), nearest_));
         tick.resources.give(gpu::sampledImage("mesh_heights", meshes_.heights(), nearest_));

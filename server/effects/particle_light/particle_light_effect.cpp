@@ -16,7 +16,7 @@ public:
         for (size_t i = 0; i < in.seen.size(); ++i) {
             MediumView& medium = *in.seen[i];
             if (i == lists_.size()) lists_.push_back({ParticleLight(device_, capacity_), {}});
-            if (!lists_[i].made_for.is({versionsOf(tick, medium), tolerance}))
+            if (lists_[i].made_for.outdated({versionsOf(tick, medium), tolerance}))
                 lists_[i].light.record(commands, medium.resources, medium.count, tolerance);
             medium.resources.give(gpu::storageBuffer("ParticleLights", lists_[i].light.buffer()));
         }

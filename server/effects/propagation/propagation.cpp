@@ -63,7 +63,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const PropagationSettings& settings = tick.settings->propagation;
     Key key{unlit(*tick.tick), settings, versionsOf(tick, all), tick.features};
     key.versions.medium = 0;
-    if (made_for_.is(key)) return;
+    if (!made_for_.outdated(key)) return;
     const bool surfaces = reflects(settings) && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
     const gpu::Constants constants = constantsOf(tick.features);
     const gpu::Commands::Pass timed(commands, "propagation");

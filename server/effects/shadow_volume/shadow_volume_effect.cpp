@@ -1,5 +1,5 @@
 // Effect `shadow_volume`: the optical depth between the sun and everywhere in the medium, once per tick for all viewers
-// and hues, since depths are as the extinction.
+// and hues: optical depths are proportional to the extinction.
 #include "server/effects/effect.h"
 #include "server/effects/shadow_volume/shadow_volume.h"
 

@@ -18,10 +18,9 @@ class UnionPath {
 public:
     explicit UnionPath(const gpu::Device& device);
 
-    // Makes room, and chooses the particles whose light is computed. With PathSettings::groups G, a particle's value is
-    // that of the last tick whose number and the particle's leave the same rest by G. So it depends on the tick alone,
-    // not on the pictures that were drawn before. G is 1 where the simulation keeps no past,
-    // and with coloured extinction.
+    // Makes room, and chooses the particles whose light is computed. With PathSettings::groups G, particle i has the
+    // value of the newest tick t with t % G == i % G. So values depend on the tick alone, not on the pictures that were
+    // drawn before. G is 1 where the simulation keeps no past, and with coloured extinction.
     // `tick`: the present one of all particles; `particles`, `objects`: numbers that change whenever one of them does.
     // Precondition: nothing of it is on the device. Throws gpu::Error for more than limits::kUnionCount particles.
     void prepare(const Simulation& simulation, const SceneNow& now, const gpu::Tick& tick, uint64_t particles,

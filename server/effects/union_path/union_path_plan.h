@@ -1,4 +1,5 @@
-// Cost of light behind the union of balls. Its work is that of the methods that ask for it.
+// Cost of light behind the union of balls. Methods that ask for it count its work. Surfaces behind balls need it, too,
+// which no plan counts.
 #pragma once
 
 #include "server/plan/cost_model.h"

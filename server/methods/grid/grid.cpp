@@ -12,7 +12,7 @@ public:
     explicit Grid(const MethodContext& context)
         : SlabRays(context), medium_(context.device), rays_(context.device, grid_rays_comp, "grid_rays") {}
 
-    MethodNeeds needs() const override { return {.one_medium = true, .draws = false}; }
+    MethodNeeds needs() const override { return {.one_medium = true, .writes_target = false}; }
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {
         medium_.record(commands, medium, *tick.settings);
     }

@@ -14,7 +14,7 @@ class SlabRays : public Method {
 public:
     explicit SlabRays(const MethodContext& context);
 
-    MethodNeeds needs() const override { return {.draws = false}; }
+    MethodNeeds needs() const override { return {.writes_target = false}; }
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) final;
     void recordGroup(gpu::Commands& commands, const ViewGroup& group) final;
 
