@@ -37,7 +37,7 @@ SessionRules::SessionRules(const NetOptions& options, const ServerFacts& facts, 
       inputs_(options.input_rate, options.input_rate * options.burst_s), pose_complaints_(1, 1),
       refusals_(kRefusalRate, kRefusalBurst) {}
 
-void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out) {
+void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Actions& out) {
     if (state_ == State::closed) return;
     messages_.take(now); // pause() says how long to wait if the bucket is empty
     const auto message = wire::parse(bytes);
@@ -69,23 +69,23 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
            now, out);
 }
 
-void SessionRules::onText(Clock::time_point now, Effects& out) {
+void SessionRules::onText(Clock::time_point now, Actions& out) {
     if (state_ == State::closed) return;
     messages_.take(now);
     malformed("messages are binary, this was text", now, out);
 }
 
-void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out) {
+void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Actions& out) {
     if (state_ == State::closed) return;
     refuse(wire::ErrorCode::unexpected, fmt::format("frame {} was never sent", frame), now, out);
 }
 
-void SessionRules::onMereFrames(uint64_t count, Clock::time_point now, Effects& out) {
+void SessionRules::onMereFrames(uint64_t count, Clock::time_point now, Actions& out) {
     if (state_ != State::closed && !messages_.charge(double(count), now))
         close(kClosePolicy, "too many WebSocket pings or fragments", out);
 }
 
-void SessionRules::onTick(Clock::time_point now, Effects& out) {
+void SessionRules::onTick(Clock::time_point now, Actions& out) {
     if (state_ != State::closed && until_ && now >= *until_) return close(kClosePolicy, "the token has expired", out);
     if (state_ == State::awaiting_hello && now >= hello_deadline_)
         return close(kClosePolicy, fmt::format("no Hello came within {:g} s", seconds(options_.handshake)), out);
@@ -100,7 +100,7 @@ void SessionRules::onTick(Clock::time_point now, Effects& out) {
     }
 }
 
-void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effects& out) {
+void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Actions& out) {
     if (state_ == State::watching) return refuse(wire::ErrorCode::unexpected, "Hello came twice", now, out);
     if (hello.width() == 0 || hello.height() == 0)
         return refuse(wire::ErrorCode::out_of_range, "width and height must be at least 1", now, out);
@@ -121,7 +121,7 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Effe
         Admit{printable(hello.client()), granted_, hello.resume() ? hello.resume()->str().substr(0, kLongestKey) : ""});
 }
 
-void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects& out) {
+void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Actions& out) {
     Pose wanted{.position = toGlm(*pose.position()),
                 .orientation = toGlm(*pose.orientation()),
                 .fov_y = pose.fov_y(),
@@ -173,7 +173,7 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Effects
             SendError{wire::ErrorCode::too_fast, fmt::format("more than {:g} poses a second", options_.pose_rate)});
 }
 
-void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effects& out) {
+void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Actions& out) {
     const uint32_t seq = input.seq();
     if (input_seq_ && seq != *input_seq_ + 1) {
         const uint32_t due = *input_seq_ + 1;
@@ -192,19 +192,19 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Effe
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
 }
 
-void SessionRules::malformed(const std::string& text, Clock::time_point now, Effects& out) {
+void SessionRules::malformed(const std::string& text, Clock::time_point now, Actions& out) {
     refuse(wire::ErrorCode::malformed, text, now, out);
     if (state_ != State::closed && ++malformed_ >= kMaxMalformed)
         close(kCloseProtocol, fmt::format("{} malformed messages", kMaxMalformed), out);
 }
 
-void SessionRules::refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out,
+void SessionRules::refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Actions& out,
                           uint32_t input_seq) {
     out.push_back(SendError{code, std::move(text), input_seq});
     if (!refusals_.take(now)) close(kClosePolicy, "too many refused messages", out);
 }
 
-void SessionRules::close(uint16_t code, std::string reason, Effects& out) {
+void SessionRules::close(uint16_t code, std::string reason, Actions& out) {
     state_ = State::closed;
     out.push_back(Close{code, std::move(reason)});
 }

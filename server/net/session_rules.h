@@ -15,7 +15,7 @@
 
 namespace brume::net {
 
-// --- effects, which the session carries out in order ---
+// --- actions, which the session carries out in order ---
 struct Admit { // the hello is good: join the audience, then send Welcome, or close if it is full
     std::string client;
     PoseRequest granted; // size, views and quality
@@ -43,12 +43,12 @@ struct SendError {
     std::string text;
     uint32_t input_seq = 0; // of the input that is refused; 0: of none
 };
-struct Close { // send Goodbye with the reason and close with this WebSocket code; no effect follows
+struct Close { // send Goodbye with the reason and close with this WebSocket code; no action follows
     uint16_t code;
     std::string reason;
 };
-using Effect = std::variant<Admit, SetPose, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
-using Effects = std::vector<Effect>;
+using Action = std::variant<Admit, SetPose, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
+using Actions = std::vector<Action>;
 
 // WebSocket close codes (RFC 6455 and the IANA registry).
 inline constexpr uint16_t kCloseNormal = 1000, kCloseGoingAway = 1001, kCloseProtocol = 1002, kClosePolicy = 1008,
@@ -63,25 +63,25 @@ public:
     // The viewer was told that this medium is shown. Until then commands that name its particles are refused.
     void shows(const NamedParticles& medium) { medium_ = medium; }
 
-    // Each appends its effects to `out`. Precondition: bytes.data() is aligned to 8.
-    void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Effects& out);
-    void onText(Clock::time_point now, Effects& out); // a text message: brume.v1 has only binary ones
-    void onUnknownFrame(uint32_t frame, Clock::time_point now, Effects& out);
+    // Each appends its actions to `out`. Precondition: bytes.data() is aligned to 8.
+    void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Actions& out);
+    void onText(Clock::time_point now, Actions& out); // a text message: brume.v1 has only binary ones
+    void onUnknownFrame(uint32_t frame, Clock::time_point now, Actions& out);
     // So many WebSocket frames that are no message came: pings, pongs, fragments. Each counts as one message.
-    void onMereFrames(uint64_t count, Clock::time_point now, Effects& out);
+    void onMereFrames(uint64_t count, Clock::time_point now, Actions& out);
     // Checks deadlines and hands out a pose that was held back. To be called several times a second.
-    void onTick(Clock::time_point now, Effects& out);
+    void onTick(Clock::time_point now, Actions& out);
 
     // How long to wait before the next message is read: zero unless the viewer sends more than options.message_rate.
     Clock::duration pause(Clock::time_point now) { return messages_.wait(now); }
 
 private:
-    void onHello(const wire::Hello& hello, Clock::time_point now, Effects& out);
-    void onPose(const wire::Pose& pose, Clock::time_point now, Effects& out);
-    void onInput(const wire::Input& input, Clock::time_point now, Effects& out);
-    void malformed(const std::string& text, Clock::time_point now, Effects& out);
-    void refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Effects& out, uint32_t input_seq = 0);
-    void close(uint16_t code, std::string reason, Effects& out);
+    void onHello(const wire::Hello& hello, Clock::time_point now, Actions& out);
+    void onPose(const wire::Pose& pose, Clock::time_point now, Actions& out);
+    void onInput(const wire::Input& input, Clock::time_point now, Actions& out);
+    void malformed(const std::string& text, Clock::time_point now, Actions& out);
+    void refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Actions& out, uint32_t input_seq = 0);
+    void close(uint16_t code, std::string reason, Actions& out);
 
     enum class State { awaiting_hello, watching, closed };
 

@@ -68,7 +68,7 @@ private:
     asio::awaitable<error_code> sendFrame(FramePtr frame);
     asio::awaitable<error_code> send(Parts parts);
 
-    void carryOut(Effects& effects);
+    void carryOut(Actions& actions);
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
     void command(const EnqueueCommand& given);
@@ -134,7 +134,7 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
 
     beast::flat_buffer buffer; // holds one whole message at a time, so that its bytes are aligned
     asio::steady_timer pause(ws_.get_executor());
-    Effects effects;
+    Actions actions;
     while (!ended_) {
         const auto [error, size] = co_await ws_.async_read(buffer, kToken);
         if (error) {
@@ -149,14 +149,14 @@ asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
         }
         const auto now = Clock::now();
         const auto data = buffer.cdata();
-        effects.clear();
+        actions.clear();
         mere_.message(size);
-        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, effects);
+        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, actions);
         if (ws_.got_text())
-            rules_.onText(now, effects);
+            rules_.onText(now, actions);
         else
-            rules_.onMessage({static_cast<const uint8_t*>(data.data()), data.size()}, now, effects);
-        carryOut(effects);
+            rules_.onMessage({static_cast<const uint8_t*>(data.data()), data.size()}, now, actions);
+        carryOut(actions);
         buffer.consume(buffer.size());
         if (const auto wait = rules_.pause(now); wait > Clock::duration::zero()) {
             pause.expires_after(wait);
@@ -220,7 +220,7 @@ asio::awaitable<error_code> WebSocketSession::send(Parts parts) {
 }
 
 asio::awaitable<void> WebSocketSession::beat() {
-    Effects effects;
+    Actions actions;
     while (!ended_) {
         heartbeat_.expires_after(kHeartbeat);
         co_await heartbeat_.async_wait(kToken);
@@ -229,10 +229,10 @@ asio::awaitable<void> WebSocketSession::beat() {
             if (handle_) handle_->markLost();
             co_return finish("it takes no data");
         }
-        effects.clear();
-        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, effects);
-        rules_.onTick(now, effects);
-        carryOut(effects);
+        actions.clear();
+        rules_.onMereFrames(mere_.take(ws_.next_layer().received()), now, actions);
+        rules_.onTick(now, actions);
+        carryOut(actions);
         if (handle_ && !closing_) {
             ping_due_ = pings_.due(now);
             if (handle_->viewer().observe(now, std::exchange(backlog_, false)) > context_->options.silence) {
@@ -265,7 +265,7 @@ void WebSocketSession::ponged(uint32_t nonce) {
     handle_->viewer().ponged(*round_trip, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
 }
 
-void WebSocketSession::carryOut(Effects& effects) {
+void WebSocketSession::carryOut(Actions& actions) {
     struct {
         WebSocketSession& s;
         void operator()(Admit& e) { s.admit(e); }
@@ -282,9 +282,9 @@ void WebSocketSession::carryOut(Effects& effects) {
         }
         void operator()(Close& e) { s.close(e.code, e.reason); }
     } each{*this};
-    for (Effect& effect : effects) {
+    for (Action& action : actions) {
         if (closing_ || ended_) return;
-        std::visit(each, effect);
+        std::visit(each, action);
     }
 }
 
@@ -314,7 +314,7 @@ void WebSocketSession::admit(const Admit& hello) {
 
 void WebSocketSession::acknowledge(uint32_t frame) {
     if (handle_->viewer().acknowledge(frame)) return;
-    Effects refusal;
+    Actions refusal;
     rules_.onUnknownFrame(frame, Clock::now(), refusal);
     carryOut(refusal);
 }

@@ -25,19 +25,19 @@ bool isDrawable(const Frustum& f) { // all zero: the symmetric one of fov_y
 }
 bool isDirection(glm::vec3 v) { return within(v, limits::kPlace) && glm::length(v) > 1e-6f; }
 
-// Holds every effect against what the rest of the server counts on.
+// Holds every action against what the rest of the server counts on.
 class Judge {
 public:
     Judge(const NetOptions& options, const ServerFacts& facts, const net::NamedParticles& medium,
           Clock::time_point opened)
         : options_(options), facts_(facts), medium_(medium), opened_(opened) {}
 
-    void judge(const net::Effects& effects, Clock::time_point now) {
-        promise(effects.size() <= 2, "one event has two effects at most: an answer and the end");
+    void judge(const net::Actions& actions, Clock::time_point now) {
+        promise(actions.size() <= 2, "one event has two actions at most: an answer and the end");
         now_ = now;
-        for (const net::Effect& effect : effects) {
+        for (const net::Action& action : actions) {
             promise(!closed_, "nothing follows a Close");
-            std::visit(*this, effect);
+            std::visit(*this, action);
         }
     }
 
@@ -264,28 +264,28 @@ void session(Bytes bytes) {
     net::SessionRules rules(options, facts, now);
     rules.shows(medium);
     Judge judge(options, facts, medium, now);
-    net::Effects effects;
+    net::Actions actions;
     for (Numbers in(bytes); !in.done();) {
         const Kind kind = Kind(in.take<uint8_t>() % kKinds);
         const int64_t wait = in.take<uint8_t>();
         now += microseconds(wait * wait * 100); // up to 6.5 s, mostly less
-        effects.clear();
+        actions.clear();
         if (kind == kText) {
-            rules.onText(now, effects);
+            rules.onText(now, actions);
         } else if (kind == kTick) {
-            rules.onTick(now, effects);
+            rules.onTick(now, actions);
         } else if (kind == kUnknownFrame) {
-            rules.onUnknownFrame(in.take<uint32_t>(), now, effects);
+            rules.onUnknownFrame(in.take<uint32_t>(), now, actions);
         } else if (kind == kBytes) {
             const Bytes some = in.bytes(in.take<uint16_t>());
             const std::vector<uint8_t> message(some.begin(), some.end()); // exactly so long, and aligned
-            rules.onMessage(message, now, effects);
+            rules.onMessage(message, now, actions);
         } else {
             const wire::Packed message = made(kind, in, facts);
             const std::vector<uint8_t> aligned(message.data(), message.data() + message.size());
-            rules.onMessage(aligned, now, effects);
+            rules.onMessage(aligned, now, actions);
         }
-        judge.judge(effects, now);
+        judge.judge(actions, now);
         const auto pause = rules.pause(now);
         promise(pause >= pause.zero() && pause <= std::chrono::seconds(1), "who sends too much is read again soon");
     }

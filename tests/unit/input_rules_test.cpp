@@ -78,16 +78,16 @@ TEST_F(SessionRulesTest, SettingsAreSetByTheirPaths) {
 
     const auto refused = [&](const char* path, flatbuffers::Optional<double> number, const wire::Vec3* vector,
                              const char* text) {
-        const auto effects = answer([&](auto& b) {
+        const auto actions = answer([&](auto& b) {
             return Changes{wire::CreateChangeDirect(b, "medium.falloff", 1.5),
                            wire::CreateChangeDirect(b, path, number, vector, text)};
         });
-        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
-        return onlyError(effects);
+        EXPECT_EQ(only<SendError>(actions).input_seq, seq);
+        return onlyError(actions);
     };
     const auto whyRefused = [&](const char* path) {
-        const auto effects = answer([&](auto& b) { return Changes{wire::CreateChangeDirect(b, path, 1)}; });
-        return only<SendError>(effects).text;
+        const auto actions = answer([&](auto& b) { return Changes{wire::CreateChangeDirect(b, path, 1)}; });
+        return only<SendError>(actions).text;
     };
     EXPECT_EQ(refused("medium.cuont", 1, nullptr, nullptr), ErrorCode::unknown_name);
     EXPECT_EQ(refused("medium.count", 1, nullptr, nullptr), ErrorCode::unknown_name) << "not live";
@@ -115,9 +115,9 @@ TEST_F(SessionRulesTest, CommandsBeyondTheirLimitsAreRefused) {
     uint32_t seq = 0;
     const wire::Vec3 zero(0, 0, 0), one(1, 1, 1), nan(0, kNan, 0), far(1e9f, 0, 0), negative(-1, 0, 0), two(2, 0, 0);
     const auto refused = [&](auto&& build) {
-        const auto effects = input(++seq, build);
-        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
-        return onlyError(effects);
+        const auto actions = input(++seq, build);
+        EXPECT_EQ(only<SendError>(actions).input_seq, seq);
+        return onlyError(actions);
     };
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &nan, &one); }), ErrorCode::out_of_range);
     EXPECT_EQ(refused([&](auto& b) { return wire::CreateImpulse(b, &one, &zero); }), ErrorCode::out_of_range);
@@ -236,9 +236,9 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo)
     rules->shows({Layout::live, 10});
     uint32_t seq = 0;
     const auto refused = [&](auto&& build) {
-        const auto effects = input(++seq, build);
-        EXPECT_EQ(only<SendError>(effects).input_seq, seq);
-        return onlyError(effects) == ErrorCode::out_of_range ? only<SendError>(effects).text : "another code";
+        const auto actions = input(++seq, build);
+        EXPECT_EQ(only<SendError>(actions).input_seq, seq);
+        return onlyError(actions) == ErrorCode::out_of_range ? only<SendError>(actions).text : "another code";
     };
     EXPECT_EQ(refused(setParticles(0, {1, 2}, {1}, {1}, {}, 1)),
               "positions and albedos have three numbers for each row");
@@ -289,8 +289,8 @@ TEST(ParticleRows, FitAMessage) {
 
 TEST_F(SessionRulesTest, AnUnknownNameIsToldWhatThereIs) {
     watch();
-    const auto effects = input(1, set("render.method", "tetra"));
-    EXPECT_NE(only<SendError>(effects).text.find("sphere, isv"), std::string::npos);
+    const auto actions = input(1, set("render.method", "tetra"));
+    EXPECT_NE(only<SendError>(actions).text.find("sphere, isv"), std::string::npos);
 }
 
 // The least role of each command; a refusal uses up the input's number, as all do.
@@ -300,10 +300,10 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
         rules.emplace(options, facts, now, Authorization{role, {}, {}});
         rules->shows(medium);
         watch();
-        const Effects effects = input(1, build);
-        EXPECT_EQ(effects.size(), 1u);
-        if (std::holds_alternative<EnqueueCommand>(effects[0])) return std::string("taken");
-        const auto& error = std::get<SendError>(effects[0]);
+        const Actions actions = input(1, build);
+        EXPECT_EQ(actions.size(), 1u);
+        if (std::holds_alternative<EnqueueCommand>(actions[0])) return std::string("taken");
+        const auto& error = std::get<SendError>(actions[0]);
         EXPECT_EQ(error.input_seq, 1u);
         EXPECT_TRUE(std::holds_alternative<EnqueueCommand>(input(2, build).at(0)) ||
                     error.code == ErrorCode::forbidden);
@@ -346,7 +346,7 @@ TEST_F(SessionRulesTest, AViewerLooksAndWhoTriesForbiddenThingsForEverIsClosed) 
     only<AnswerPing>(say([](auto& b) { return wire::CreatePing(b, 1, 1); }));
     bool closed = false;
     for (uint32_t seq = 1; seq < 1000 && !closed; ++seq)
-        for (const Effect& effect : restart(seq)) closed |= std::holds_alternative<Close>(effect);
+        for (const Action& action : restart(seq)) closed |= std::holds_alternative<Close>(action);
     EXPECT_TRUE(closed);
 }
 
@@ -355,9 +355,9 @@ TEST_F(SessionRulesTest, ASessionEndsWithItsToken) {
     watch();
     only<SetPose>(pose({}));
     EXPECT_TRUE(tick(60s - 1ms).empty());
-    const Effects effects = tick(1ms);
-    EXPECT_EQ(only<Close>(effects).code, kClosePolicy);
-    EXPECT_EQ(only<Close>(effects).reason, "the token has expired");
+    const Actions actions = tick(1ms);
+    EXPECT_EQ(only<Close>(actions).code, kClosePolicy);
+    EXPECT_EQ(only<Close>(actions).reason, "the token has expired");
     EXPECT_TRUE(tick(1s).empty()) << "once";
 }
 

@@ -1,4 +1,4 @@
-// SessionRulesTest: a session with its own clock. Helpers send messages and return the effects.
+// SessionRulesTest: a session with its own clock. Helpers send messages and return the actions.
 #pragma once
 
 #include <limits>
@@ -38,30 +38,30 @@ protected:
 
     void SetUp() override { rules.emplace(options, facts, now); }
 
-    Effects sayBytes(std::vector<uint8_t> bytes) {
-        Effects out;
+    Actions sayBytes(std::vector<uint8_t> bytes) {
+        Actions out;
         rules->onMessage(bytes, now, out);
         return out;
     }
-    Effects tick(Clock::duration later) {
+    Actions tick(Clock::duration later) {
         now += later;
-        Effects out;
+        Actions out;
         rules->onTick(now, out);
         return out;
     }
     template <class Build>
-    Effects say(Build&& build) {
+    Actions say(Build&& build) {
         const wire::Packed message = wire::pack(build);
-        Effects out;
+        Actions out;
         rules->onMessage(wire::bytesOf(message), now, out);
         return out;
     }
 
-    Effects hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, uint8_t quality = 0) {
+    Actions hello(uint16_t width = 640, uint16_t height = 360, uint8_t views = 1, uint8_t quality = 0) {
         return say(
             [&](FlatBufferBuilder& b) { return wire::CreateHelloDirect(b, "test", width, height, views, quality); });
     }
-    Effects pose(const PoseFields& p) {
+    Actions pose(const PoseFields& p) {
         return say([&](FlatBufferBuilder& b) {
             return wire::CreatePoseDirect(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
                                           p.frustum ? &*p.frustum : nullptr,
@@ -69,7 +69,7 @@ protected:
         });
     }
     template <class Build>
-    Effects input(uint32_t seq, Build&& build) {
+    Actions input(uint32_t seq, Build&& build) {
         return say([&](FlatBufferBuilder& b) {
             const auto command = build(b);
             using Table = std::remove_pointer_t<decltype(flatbuffers::GetTemporaryPointer(b, command))>;
@@ -77,26 +77,26 @@ protected:
                                      command.Union());
         });
     }
-    Effects restart(uint32_t seq) {
+    Actions restart(uint32_t seq) {
         return input(seq, [](FlatBufferBuilder& b) { return wire::CreateRestart(b); });
     }
     void watch() { ASSERT_EQ(hello().size(), 1u); }
 };
 
-// The only effect of a message, which must be a T.
+// The only action of a message, which must be a T.
 template <class T>
-const T& only(const Effects& effects) {
+const T& only(const Actions& actions) {
     static const T none{};
-    EXPECT_EQ(effects.size(), 1u);
-    if (effects.size() != 1 || !std::holds_alternative<T>(effects[0])) {
-        ADD_FAILURE() << "another effect, index " << (effects.empty() ? 99 : effects[0].index());
+    EXPECT_EQ(actions.size(), 1u);
+    if (actions.size() != 1 || !std::holds_alternative<T>(actions[0])) {
+        ADD_FAILURE() << "another action, index " << (actions.empty() ? 99 : actions[0].index());
         return none;
     }
-    return std::get<T>(effects[0]);
+    return std::get<T>(actions[0]);
 }
 
-inline wire::ErrorCode onlyError(const Effects& effects) {
-    const auto& error = only<SendError>(effects);
+inline wire::ErrorCode onlyError(const Actions& actions) {
+    const auto& error = only<SendError>(actions);
     EXPECT_FALSE(error.text.empty());
     return error.code;
 }

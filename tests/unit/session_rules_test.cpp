@@ -10,8 +10,8 @@ namespace {
 using wire::ErrorCode;
 
 TEST_F(SessionRulesTest, AGoodHelloIsAdmitted) {
-    const Effects effects = hello(1280, 720, 2, 90);
-    const auto& admit = only<Admit>(effects);
+    const Actions actions = hello(1280, 720, 2, 90);
+    const auto& admit = only<Admit>(actions);
     EXPECT_EQ(admit.client, "test");
     EXPECT_EQ(admit.granted.width, 1280);
     EXPECT_EQ(admit.granted.height, 720);
@@ -38,7 +38,7 @@ TEST_F(SessionRulesTest, OnlyAGoodPoseCountsAndAHiddenOneDoes) {
 
 TEST_F(SessionRulesTest, PingsAndFragmentsCountAsMessages) {
     watch();
-    Effects out;
+    Actions out;
     const auto burst = uint64_t(options.message_rate * options.burst_s);
     rules->onMereFrames(burst, now, out);
     EXPECT_TRUE(out.empty());
@@ -57,10 +57,10 @@ TEST_F(SessionRulesTest, QualityZeroIsTheServers) {
 }
 
 TEST_F(SessionRulesTest, AClientsNameIsMadeFitForTheLog) {
-    const auto effects = say([](FlatBufferBuilder& b) {
+    const auto actions = say([](FlatBufferBuilder& b) {
         return wire::CreateHelloDirect(b, ("a\nb\x1b[31m" + std::string(500, 'x')).c_str());
     });
-    const std::string& name = only<Admit>(effects).client;
+    const std::string& name = only<Admit>(actions).client;
     EXPECT_EQ(name.substr(0, 8), "a?b?[31m");
     EXPECT_EQ(name.size(), 64u);
 }
@@ -123,9 +123,9 @@ TEST_F(SessionRulesTest, HelloTwiceAndTheServersMessagesAreUnexpected) {
 
 TEST_F(SessionRulesTest, APoseIsShownWithEverythingItSays) {
     watch();
-    const auto effects =
+    const auto actions =
         pose({.seq = 9, .position = {1, 2, 3}, .orientation = {0, 0.6f, 0, 0.8f}, .fov_y = 1, .eyes = 0.06f});
-    const PoseRequest& request = only<SetPose>(effects).request;
+    const PoseRequest& request = only<SetPose>(actions).request;
     EXPECT_EQ(request.seq, 9u);
     EXPECT_EQ(request.client_time_us, 77u);
     EXPECT_EQ(request.pose.position, glm::vec3(1, 2, 3));
@@ -160,8 +160,8 @@ TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {
     watch();
     EXPECT_EQ(only<SetPose>(pose({.seq = 1, .width = 320, .height = 200})).request.width, 320);
     EXPECT_EQ(only<SetPose>(pose({.seq = 2})).request.height, 200);
-    const auto effects = pose({.seq = 3, .width = 65535});
-    EXPECT_LE(only<SetPose>(effects).request.width, options.max_side);
+    const auto actions = pose({.seq = 3, .width = 65535});
+    EXPECT_LE(only<SetPose>(actions).request.width, options.max_side);
     EXPECT_EQ(only<SetPose>(pose({.seq = 4, .width = 2, .height = 2})).request.width, kMinSide);
 }
 
@@ -222,10 +222,10 @@ TEST_F(SessionRulesTest, PosesOverTheRateWaitAndTheNewestIsShown) {
     size_t shown = 0, complaints = 0;
     const uint32_t sent = 2000; // at once
     for (uint32_t seq = 1; seq <= sent; ++seq)
-        for (const Effect& effect : pose({.seq = seq})) {
-            if (std::holds_alternative<SetPose>(effect))
+        for (const Action& action : pose({.seq = seq})) {
+            if (std::holds_alternative<SetPose>(action))
                 ++shown;
-            else if (std::get<SendError>(effect).code == ErrorCode::too_fast)
+            else if (std::get<SendError>(action).code == ErrorCode::too_fast)
                 ++complaints;
         }
     EXPECT_EQ(shown, size_t(options.pose_rate * options.burst_s));
@@ -253,7 +253,7 @@ TEST_F(SessionRulesTest, TooManyMessagesMakeUsReadMoreSlowly) {
 TEST_F(SessionRulesTest, AcknowledgingIsPassedOnAndAnUnknownFrameIsTold) {
     watch();
     EXPECT_EQ(only<Acknowledge>(say([](auto& b) { return wire::CreateAck(b, 41); })).frame, 41u);
-    Effects out;
+    Actions out;
     rules->onUnknownFrame(41, now, out);
     EXPECT_EQ(onlyError(out), ErrorCode::unexpected);
 }
@@ -261,7 +261,7 @@ TEST_F(SessionRulesTest, AcknowledgingIsPassedOnAndAnUnknownFrameIsTold) {
 TEST_F(SessionRulesTest, AFewMalformedMessagesEndIt) {
     watch();
     EXPECT_EQ(onlyError(sayBytes({1, 2, 3})), ErrorCode::malformed);
-    Effects out;
+    Actions out;
     rules->onText(now, out);
     EXPECT_EQ(onlyError(out), ErrorCode::malformed);
     only<SetPose>(pose({})); // survived so far
@@ -277,11 +277,11 @@ TEST_F(SessionRulesTest, OneThatSendsNothingGoodIsClosed) {
     watch();
     size_t errors = 0;
     for (int i = 0; i < 100000; ++i)
-        for (const Effect& effect : hello())
-            if (std::holds_alternative<SendError>(effect))
+        for (const Action& action : hello())
+            if (std::holds_alternative<SendError>(action))
                 ++errors;
             else
-                EXPECT_EQ(std::get<Close>(effect).code, kClosePolicy);
+                EXPECT_EQ(std::get<Close>(action).code, kClosePolicy);
     EXPECT_GT(errors, 100u);
     EXPECT_LT(errors, 300u);
 }
