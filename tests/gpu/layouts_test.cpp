@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "server/gpu/specialize.h"
+#include "server/gpu/variants.h"
 #include "tests/gpu/fixture.h"
 
 // After it: the words of a shader need <cstdint>.
@@ -190,6 +191,20 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     const SpecConstant known[] = {{kIdPlanes, 1}, {kIdBoxes, 0}}, unknown[] = {{kIdPlanes, 1}, {kIdHasOpaque, 0}};
     EXPECT_NO_THROW(GraphicsProgram(device(), stages, info, known));
     EXPECT_THROW(GraphicsProgram(device(), stages, info, unknown), Error);
+}
+
+TEST_F(GpuTest, VariantsTakeOfWhatIsOfferedWhatTheirShadersHave) {
+    Variants variants(device(), shadow_particles_comp, "shadow_particles");
+    const Constants offered{{kIdHasFog, 1}, {kIdShadowLanes, 2}};
+    const Program& two = variants.with(offered);
+    EXPECT_EQ(&variants.with({{kIdShadowLanes, 2}}), &two) << "fog means nothing to it";
+    const Program& four = variants.with(offered, {{kIdShadowLanes, 4}});
+    EXPECT_NE(&four, &two);
+    EXPECT_EQ(&variants.with({{kIdShadowLanes, 4}}), &four) << "its own value counts";
+    EXPECT_NE(refusal([&] {
+                  variants.with({{kIdHasFog, 1}});
+              }).find("shadow_particles: no shader has"),
+              std::string::npos);
 }
 
 // Opcodes of the instructions of a SPIR-V module.
