@@ -85,8 +85,11 @@ class Package(unittest.TestCase):
         self.addCleanup(view.resume)
         state = view.state
         self.assertTrue(state.paused)
-        self.assertEqual({view.frame().hash for _ in range(4)}, {state.hash})
-        last = view.frame()
+        frames = [view.frame()]
+        while not frames[-1].lossless and len(frames) < 20:  # one more where a plan came after the first picture
+            frames.append(view.frame())
+        last = frames[-1]
+        self.assertEqual({frame.hash for frame in frames}, {state.hash})
         self.assertTrue(last.lossless, 'what rests comes once more as PNG')
         self.assertTrue(last.jpeg.startswith(b'\x89PNG'))
         self.assertIs(view.frame(), last)
