@@ -26,7 +26,18 @@ bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
 
 GridPass::GridPass(const gpu::Device& device)
     : device_(device), bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"}),
-      program_(device, grid_fill_comp, "grid_fill") {}
+      program_(device, grid_fill_comp, "grid_fill") {
+    // A medium that moves may get coarse nodes, and lose them: all programs are compiled at once.
+    coarseProgram(), fineProgram(true), fineProgram(false);
+}
+
+const gpu::Program& GridPass::coarseProgram() {
+    return program_.with({{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}});
+}
+
+const gpu::Program& GridPass::fineProgram(bool has_coarse) {
+    return program_.with({{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, has_coarse}});
+}
 
 void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings, bool linear) {
     const gpu::MediumGrid grid = gridThatFits(*in.extent, settings, linear);
@@ -74,9 +85,8 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     const bool has_coarse = hasCoarse(grid);
     const gpu::Commands::Pass pass(commands, "grid");
     if (has_coarse) // the last one is bound, but not read
-        fill(program_.with({{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}}), coarse, coarse_nodes_, members_);
-    fill(program_.with({{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, has_coarse}}), bricks, nodes_,
-         has_coarse ? coarse_nodes_ : members_);
+        fill(coarseProgram(), coarse, coarse_nodes_, members_);
+    fill(fineProgram(has_coarse), bricks, nodes_, has_coarse ? coarse_nodes_ : members_);
 }
 
 } // namespace brume

@@ -27,6 +27,9 @@ public:
     const gpu::Buffer& marks() const { return marks_; } // shaders/lib/grid_marks.glsl
 
 private:
+    const gpu::Program& coarseProgram();              // fills coarse nodes
+    const gpu::Program& fineProgram(bool has_coarse); // fills the others. has_coarse: true if there are coarse nodes
+
     const gpu::Device& device_;
     gpu::ComputeProgram bins_program_;
     gpu::Variants program_;
