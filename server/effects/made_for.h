@@ -10,7 +10,9 @@ namespace brume {
 
 // Numbers that change with what most effects depend on. Effects that depend on more have them in a key of their own.
 struct Versions {
-    uint64_t medium = 0, objects = 0, sun_depth = 0; // of MediumView and TickInputs
+    uint64_t medium = 0;    // MediumView::version
+    uint64_t objects = 0;   // TickInputs::objects_version
+    uint64_t sun_depth = 0; // TickInputs::sun_depth_version
     std::array<float, 1 + gpu::kMostFogs> hue_parts{};
     bool operator==(const Versions&) const = default;
 };

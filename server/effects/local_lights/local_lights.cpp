@@ -127,7 +127,7 @@ private:
     const gpu::Device& device_;
     gpu::Variants depths_program_, bins_program_, program_;
     std::vector<gpu::LocalLight> blocks_; // all points and spots
-    gpu::Buffer lights_;                  // the same on the device
+    gpu::Buffer lights_;                  // gpu::LocalLight[]: blocks_ on the device
     gpu::Buffer bits_;                    // uint[bins][words] of the last eye: a bit for each light
     gpu::Buffer depths_;                  // float[]: all volumes (LocalLight::volume)
     gpu::Buffer lit_;                     // vec3[rows][columns] of the last eye's pixels, W/(m^2 sr)

@@ -9,8 +9,8 @@
 namespace brume {
 
 double localPieces(const ViewWork& view, const RenderSettings& settings) {
-    constexpr double kComputed = 0.25;        // of the pixels, where their neighbours tell most of them
-    constexpr double kPiecesWithoutSlabs = 6; // of a ray in a light's range
+    constexpr double kComputed = 0.25;        // part of the pixels that are computed; neighbours tell the others
+    constexpr double kPiecesWithoutSlabs = 6; // pieces of a ray in a light's range, where there are no slabs
     const bool particles = view.scene().particles > 0;
     const bool coarse = pixelStep(settings.shading, settings.rate, particles) > 1;
     return view.litPixels() * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));

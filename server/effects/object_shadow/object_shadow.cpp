@@ -28,7 +28,7 @@ public:
 private:
     struct Key {
         glm::vec3 to_light{0};
-        uint32_t size = 0; // of the map
+        uint32_t size = 0; // texels of the map's side
         uint64_t objects = 0;
         bool operator==(const Key&) const = default;
     };
