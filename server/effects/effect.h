@@ -26,7 +26,7 @@ struct EffectInputs {
     uint32_t hues = 1;                    // number of hues that the pictures have (hues.h)
     bool moved = true;                    // True: the particles are not those of the last submission
     MediumView& all;                      // all particles; its resources are there when recording begins
-    std::vector<MediumView*> seen;        // lists of particles that eyes see, each once
+    std::span<MediumView* const> seen;    // lists of particles that eyes see, each once
 };
 
 // Effects are asked in the order of list.h, and give what others and methods read of them to TickInputs. Nothing of an

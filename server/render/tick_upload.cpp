@@ -81,12 +81,12 @@ const MediumView& TickUpload::of(size_t eye) const {
     return level ? level->view : all_;
 }
 
-std::vector<MediumView*> TickUpload::seenBy(size_t eyes) {
-    std::vector<MediumView*> lists;
-    for (size_t eye = 0; eye < eyes && lists.empty(); ++eye)
-        if (!levels_.of(eye)) lists.push_back(&all_);
-    for (MergedMedia::Medium* medium : levels_.media()) lists.push_back(&medium->view);
-    return lists;
+std::span<MediumView* const> TickUpload::seenBy(size_t eyes) {
+    seen_.clear();
+    for (size_t eye = 0; eye < eyes && seen_.empty(); ++eye)
+        if (!levels_.of(eye)) seen_.push_back(&all_);
+    for (MergedMedia::Medium* medium : levels_.media()) seen_.push_back(&medium->view);
+    return seen_;
 }
 
 void TickUpload::record(gpu::Commands& commands, const gpu::Buffer& staging) const {

@@ -47,8 +47,8 @@ public:
     // All particles, and what eye number `eye` sees.
     MediumView& all() { return all_; }
     const MediumView& of(size_t eye) const;
-    // The lists that some eye sees, each once: all particles first, where one sees them.
-    std::vector<MediumView*> seenBy(size_t eyes);
+    // The lists that some eye sees, each once: all particles first, where one sees them. Valid until the next call.
+    std::span<MediumView* const> seenBy(size_t eyes);
 
     uint64_t cpuBytes() const; // that lists of particles take of the CPU's memory
 
@@ -61,6 +61,7 @@ private:
     MediumView all_;
     uint64_t version_ = 0; // of the particles
     MergedMedia levels_;
+    std::vector<MediumView*> seen_; // seenBy()
     SpatialOrder order_;
     std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space
     bool forgotten_ = false;                          // True: forget() was called since the last take()
