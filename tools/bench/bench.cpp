@@ -196,6 +196,11 @@ private:
         allow(command->add_option("--frames", scaling_frames_, "of each"), 1, 10000);
         command->add_option("--out", scaling_out_, kOutHelp)->default_str("");
 
+        command = addPlain("operations", kMeasurements, "what each operation of a shader costs on the device",
+                           [this] { operations(context_, operation_repeats_, operations_out_); });
+        allow(command->add_option("--repeats", operation_repeats_, "of each"), 1, 1000);
+        command->add_option("--out", operations_out_, kOutHelp)->default_str("");
+
         command = addPlain("native", kMeasurements, "slabs on Vulkan beside the same maths on this CPU's vector units",
                            [this] { nativeSlabs(context_, native_); });
         command
@@ -203,8 +208,9 @@ private:
                          "AVX-512 or AVX2; default: the widest that the CPU has")
             ->check(CLI::IsMember({"AVX-512", "AVX2"}))
             ->default_str("");
-        allow(command->add_option("--frames", native_.frames, "of each"), 1, 10000);
-        allow(command->add_option("--threads", native_.threads, "of the native program"), 1, 256);
+        command->add_option("--only", native_.question.only, "scenes whose name holds this")->default_str("");
+        allow(command->add_option("--frames", native_.question.frames, "of each"), 1, 10000);
+        allow(command->add_option("--threads", native_.question.threads, "of the native program"), 1, 256);
         command->add_option("--out", native_.out, kOutHelp)->default_str("");
     }
 
@@ -285,8 +291,8 @@ private:
     CorrectionOptions correction_;
     ReportOptions report_;
     PlanTable planned_;
-    std::string plan_out_, features_out_, scaling_out_, pictures_only_, pictures_out_;
-    uint32_t feature_frames_ = 10, scaling_frames_ = 5;
+    std::string plan_out_, features_out_, scaling_out_, operations_out_, pictures_only_, pictures_out_;
+    uint32_t feature_frames_ = 10, scaling_frames_ = 5, operation_repeats_ = 12;
     NativeOptions native_;
 };
 

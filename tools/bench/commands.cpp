@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iostream>
@@ -18,7 +19,7 @@
 #include "tools/bench/error.h"
 #include "tools/bench/features.h"
 #include "tools/bench/lattice.h"
-#include "tools/bench/native/compare.h"
+#include "tools/bench/operations/operations.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
 #include "tools/bench/promise_page.h"
@@ -358,9 +359,21 @@ void nativeSlabs(const Context& context, const NativeOptions& o) {
     }
     const gpu::Device device(context.device);
     Truth truth(context.cache);
-    const std::string table = nativeTable(device, truth, *kernel, o.frames, o.threads);
+    const std::string table = nativeTable(device, truth, *kernel, o.question);
     writeText(o.out,
               nativeReport(*kernel, {cpu(), device.name() + ", " + device.driver(), today(), context.command}, table));
+}
+
+void operations(const Context& context, uint32_t repeats, const std::filesystem::path& out) {
+    const gpu::Device device(context.device);
+    const char* const threads = std::getenv("LP_NUM_THREADS");
+    const std::string about = fmt::format(
+        "# What an operation of a shader costs\n\nWritten by `{}` on {}{}. CPU: {}. Vulkan device: {}, {}.\n\n"
+        "Nanoseconds of the device for an operation of one lane, the least of {} runs. The loop around it is counted "
+        "in, and has the first row. Indices are those of neighbours, the same for all lanes, or scattered.\n\n",
+        context.command, today(), threads ? fmt::format(", LP_NUM_THREADS={}", threads) : "", cpu(), device.name(),
+        device.driver(), repeats);
+    writeText(out, about + operationsTable(device, repeats));
 }
 
 void pictures(const Context& context, const std::string& only, const std::filesystem::path& out) {

@@ -7,6 +7,7 @@
 
 #include "server/gpu/device.h"
 #include "tools/bench/correction.h"
+#include "tools/bench/native/compare.h"
 #include "tools/bench/predict.h"
 #include "tools/bench/promise.h"
 #include "tools/bench/scattering.h"
@@ -91,11 +92,13 @@ void scaling(const Context& context, uint32_t frames, const std::filesystem::pat
 
 struct NativeOptions {
     std::string instructions, out;
-    uint32_t frames = 30, threads = 2;
+    NativeQuestion question;
 };
 // Says so and does nothing if the CPU lacks the instructions.
 void nativeSlabs(const Context& context, const NativeOptions& options);
 
+// What each operation of a shader costs on the device, the least of `repeats`.
+void operations(const Context& context, uint32_t repeats, const std::filesystem::path& out);
 void pictures(const Context& context, const std::string& only, const std::filesystem::path& out);
 
 struct ReportOptions {

@@ -75,8 +75,8 @@ double off(const RadianceImage& value, const RadianceImage& reference) {
 
 } // namespace
 
-std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel, uint32_t frames,
-                        uint32_t threads) {
+std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel,
+                        const NativeQuestion& question) {
     std::string table = "| scene, camera | rays, slabs | native, ms | median | Vulkan, ms | median | ratio | of "
                         "medians | from slabs, % | native, % | slabs, % "
                         "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
@@ -91,19 +91,20 @@ std::string nativeTable(const gpu::Device& device, Truth& truth, const native::K
     display.frame();
     for (const char* scene : {"cloud", "cloud-5000", "plume", "cumulus"})
         for (const char* camera : {"outside", "inside"}) {
+            if (std::string_view(scene).find(question.only) == std::string_view::npos) continue;
             Case wanted = caseOf(scene, camera);
             RenderSettings way = Stage(device, wanted).plan().chosen.settings;
             way.rate = std::bit_floor(way.rate); // what NativeSlabs has
             wanted.set.push_back(fmt::format("render.rate={}", way.rate));
             wanted.set.push_back(fmt::format("render.slabs={}", way.slabs));
             Stage stage(device, wanted);
-            NativeSlabs native(stage, kSize, way.rate, way.slabs, kernel, threads);
+            NativeSlabs native(stage, kSize, way.rate, way.slabs, kernel, question.threads);
             stage.frame(); // compiles shaders, fits buffers
             native.render();
             Times own, vulkan;
             std::vector<FrameCost> all;
             double shown = 1e30;
-            for (uint32_t i = 0; i < frames; ++i) {
+            for (uint32_t i = 0; i < question.frames; ++i) {
                 addNative(native, own);
                 all.push_back(stage.frame());
                 shown = std::min(shown, msOf(display.frame(), "compose"));

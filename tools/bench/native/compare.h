@@ -8,12 +8,17 @@
 
 namespace brume::bench {
 
-// Scenes cloud and cloud-5000 from outside and from within, 640x360, at the rays and slabs that the plan takes:
-// `frames` frames of each in turns, with `threads` threads. Markdown. Says on standard error what it is doing. Throws
-// std::runtime_error when a native picture is farther from that of `slabs` than rounding and what both leave out
-// explain.
-std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel, uint32_t frames,
-                        uint32_t threads);
+struct NativeQuestion {
+    std::string only;     // scenes whose name holds this
+    uint32_t frames = 30; // of each, in turns
+    uint32_t threads = 2; // of the native program
+};
+
+// Scenes cloud, cloud-5000, plume and cumulus from outside and from within, 640x360, at the rays and slabs that the
+// plan takes. Markdown. Says on standard error what it is doing. Throws std::runtime_error when a native picture is
+// farther from that of `slabs` than rounding and what both leave out explain.
+std::string nativeTable(const gpu::Device& device, Truth& truth, const native::Kernel& kernel,
+                        const NativeQuestion& question);
 
 // The table with what was measured, on what and how.
 struct NativeRun {
