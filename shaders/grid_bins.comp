@@ -55,6 +55,7 @@ void main() {
         m.across = m.along = 0.5 * kLog2e / (held * held);
         m.sigma = p.sigma_t * (own_nodes / held) * (own_nodes / held) * (own_nodes / held);
         m.albedo = p.albedo;
+        m.reach = 0; // not read
         members[i] = m;
         const float support = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing, // spacings
                     radius = support * max(held / own_nodes, 1);                      // of what is sampled

@@ -6,13 +6,13 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // Method `grid`, second pass, once per tick: the sum of all particles at each node. First the coarse nodes are filled,
-// then the others, whose sums begin with what the coarse ones interpolate to. One workgroup per brick; a lane is a
-// plane of nodes. Bricks that no sample reads keep their old content.
+// then the others, whose sums begin with what the coarse ones interpolate to. A lane is a plane of nodes of a brick.
+// A workgroup is one subgroup, of one brick. Bricks that no sample reads keep their old content.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/field.h"
 
-layout(local_size_x = 8) in; // kSlabTile
+layout(local_size_x_id = kIdLanes) in; // at most kSlabTile
 
 layout(constant_id = kIdCoarse) const bool kCoarse = false;
 layout(constant_id = kIdHasCoarse) const bool kHasCoarse = true;
@@ -27,41 +27,41 @@ layout(scalar) readonly buffer CoarseNodes { vec4 coarse[]; }; // as nodes; only
 
 layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
-const uint kLanes = kSlabTile;
-
 #include "shaders/lib/tile_members.glsl"
+#include "shaders/lib/tile_points.glsl"
 #include "shaders/lib/grid_marks.glsl"
 #include "shaders/lib/spline.glsl"
+
+shared uint listed[kMostListed]; // members of the brick
 
 // Cubic B-spline at half-integers from its middle.
 const float kSpline[4] = {4.0 / 6, 23.0 / 48, 1.0 / 6, 1.0 / 48};
 
-// Sums begin with the coarse particles: a separable B-spline of the 7x7x7 coarse nodes around the brick. Node n of the
+// Sums of plane `own` of the brick begin with the coarse particles: a separable B-spline of the 7x7x7 coarse nodes around the brick. Node n of the
 // brick lies at 1 + n / 2 of them, along each axis.
-void addCoarse(inout float sum[kPoints], uvec3 brick, uint quantity) {
+void addCoarse(inout float sum[kPoints], uvec3 brick, uint own, uint quantity) {
     const uvec3 size = coarseBricks() * kSlabTile;
-    const uint lane = gl_LocalInvocationIndex, plane = size.y * size.x / 4;
-    const vec4 weights = spline(0.5 * float(lane % 2));
+    const uint plane = size.y * size.x / 4;
+    const vec4 weights = spline(0.5 * float(own % 2));
     const uint first = (quantity * size.z + brick.z * kHalfTile) * plane +
                        (brick.y * kHalfTile * size.x + brick.x * kHalfTile) / 4;
     // In a large subgroup each lane loads one coarse plane, and takes the four that it needs from other lanes.
-    const bool shared_loads = gl_SubgroupSize >= kLanes;
-    const uint own_plane = first + min(lane, kCoarseOfTile - 1) * plane,
-               from = gl_SubgroupInvocationID - lane + lane / 2;
+    const bool shared_loads = kLanes == kSlabTile;
+    const uint own_plane = first + min(own, kCoarseOfTile - 1) * plane;
     [[unroll]] for (uint row = 0; row < kCoarseOfTile; ++row) {
         float along[kCoarseOfTile];
         [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i) along[i] = 0;
         const uint at = row * (size.x / 4);
         if (shared_loads) {
-            const vec4 own[2] = vec4[](coarse[own_plane + at], coarse[own_plane + at + 1]);
+            const vec4 mine[2] = vec4[](coarse[own_plane + at], coarse[own_plane + at + 1]);
             [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i)
                 [[unroll]] for (uint k = 0; k < 4; ++k)
-                    along[i] += weights[k] * subgroupShuffle(own[i / 4][i % 4], from + k);
+                    along[i] += weights[k] * subgroupShuffle(mine[i / 4][i % 4], own / 2 + k);
         } else {
             [[unroll]] for (uint k = 0; k < 4; ++k) {
-                const uint there = first + (lane / 2 + k) * plane + at;
-                const vec4 own[2] = vec4[](coarse[there], coarse[there + 1]);
-                [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i) along[i] += weights[k] * own[i / 4][i % 4];
+                const uint there = first + (own / 2 + k) * plane + at;
+                const vec4 mine[2] = vec4[](coarse[there], coarse[there + 1]);
+                [[unroll]] for (uint i = 0; i < kCoarseOfTile; ++i) along[i] += weights[k] * mine[i / 4][i % 4];
             }
         }
         float fine[kSlabTile];
@@ -80,27 +80,40 @@ void addCoarse(inout float sum[kPoints], uvec3 brick, uint quantity) {
 
 void main() {
     const uvec3 bricks = kCoarse ? coarseBricks() : push.medium.bricks;
-    const uvec3 brick = uvec3(gl_WorkGroupID.xy, gl_WorkGroupID.z % bricks.z);
-    const uint quantity = gl_WorkGroupID.z / bricks.z;
+    const uint plane = gl_WorkGroupID.z * kLanes + gl_SubgroupInvocationID, // of all bricks and quantities
+        all_planes = bricks.z * kSlabTile, quantity = plane / all_planes;
+    const uvec3 first = uvec3(gl_WorkGroupID.xy * kSlabTile, plane % all_planes), brick = first / kSlabTile;
     if ((marks[markWord(kCoarse ? kReadCoarse : kRead, brick)] >> (brick.x % 32) & 1) == 0) return;
-    const uvec3 first = brick * kSlabTile + uvec3(0, 0, gl_LocalInvocationIndex),
-                line = brick + uvec3(0, bricks.x, bricks.x + bricks.y);
-    const uint words = (tick.particle_count + 31) / 32, from = kCoarse ? lineWords(push.medium.bricks, words) : 0;
+    const uint lane = gl_SubgroupInvocationID, words = (tick.particle_count + 31) / 32;
+    const Lines lines = Lines(kCoarse ? lineWords(push.medium.bricks, words) : 0, brick.x, bricks.x + brick.y,
+                              bricks.x + bricks.y + brick.z, bricks.x + bricks.y + bricks.z, words);
 
     float sum[kPoints];
     [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
-    if (kHasCoarse && !kCoarse) addCoarse(sum, brick, quantity);
-    for (uint chunk = 0; chunk < words; chunk += kChunk) {
-        if (!hasMembers(from, chunk / kPage, line, bricks.x + bricks.y + bricks.z, words)) continue;
-        const uint count = listMembers(from, chunk, line, words);
-        for (uint base = 0; base < count; base += held()) {
-            SlabMember mine = SlabMember(vec3(0), 0, 0, 0, vec3(0));
-            if (base + gl_SubgroupInvocationID < count) mine = members[list[base + gl_SubgroupInvocationID]];
-            if (quantity >= kScattering) mine.sigma *= mine.albedo[quantity - kScattering];
-            addMembers(sum, mine, min(held(), count - base), vec3(first), 1, float(kSlabTile));
-        }
-        barrier();
-    }
+    if (kHasCoarse && !kCoarse) addCoarse(sum, brick, first.z % kSlabTile, quantity);
+    uint word = 0;
+    do {
+        uint count = 0;
+        do {
+            uint left = nextBits(lines, word);
+            do {
+                const uint found = ballot(left != 0);
+                if (left != 0) listed[count + lanesBefore(found)] = (word + gl_SubgroupInvocationID) * 32 + findLSB(left);
+                left &= left - 1;
+                count += bitCount(found);
+            } while (ballot(left != 0) != 0);
+            word += kLanes;
+        } while (word < words && count + 32 * kLanes <= kMostListed);
+        meetLanes();
+        uint at = 0;
+        do {
+            Held mine = kNoMember;
+            if (at + lane < count) mine = heldMember(members[listed[at + lane]], quantity);
+            addMembers(sum, mine, min(kLanes, count - at), vec3(first), 1);
+            at += kLanes;
+        } while (at < count);
+        meetLanes();
+    } while (word < words);
     const uvec3 size = bricks * kSlabTile;
     const uint out_at = (((quantity * size.z + first.z) * size.y + first.y) * size.x + first.x) / 4;
     [[unroll]] for (uint y = 0; y < kSlabTile; ++y) {

@@ -2,50 +2,57 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 // Volumetric shadow map, first pass: converts every particle to the map's cells and marks the tiles that it reaches.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
 #include "shaders/shared/sharpen.h"
 #include "shaders/shared/support.h"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = 32) in;
+
+layout(constant_id = kIdLanes) const uint kColumns = 8; // texels of a tile's width
 
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
 layout(scalar) writeonly buffer LightParticles { LightParticle light_particles[]; };
-layout(scalar) buffer Bits { uint bits[]; };
+layout(scalar) buffer Bins { uint bins[]; };
 
 layout(push_constant, scalar) uniform Push {
     uvec3 tiles; // columns, rows, groups of planes
-    uint words;  // words of a line
 } push;
 
 #include "shaders/lib/shadow_bins.glsl"
+#include "shaders/lib/line_bins_write.glsl"
 
 void main() {
-    const uint i = gl_GlobalInvocationID.x;
-    if (i >= tick.particle_count) return;
-    const Particle p = particles[i];
-    const float u = p.scale * tick.falloff;
-    const float k = gaussianK(p.scale, tick.falloff);
-    const vec3 cell = (tick.map.hi - tick.map.lo) / vec3(tick.map.texels, tick.map.slices - 1); // m
-    const vec3 at = vec3(dot(tick.map.x, p.centre) - tick.map.lo.x, dot(tick.map.y, p.centre) - tick.map.lo.y,
-                         tick.map.hi.z - dot(tick.sun.to_light, p.centre)) / cell - vec3(0.5, 0.5, 0);
-    const vec3 variance = 0.5 / (k * cell * k * cell);
-    const vec3 stored = vec3(sharpened(variance.x), sharpened(variance.y), sharpened(variance.z));
-    const float column = lineDepth(p.sigma_t, k, 1.0) * sqrt(variance.x / stored.x * (variance.y / stored.y));
-    light_particles[i] = LightParticle(vec4(at, 0.5 * column), inversesqrt(2 * stored));
+    const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
+    ivec2 lines[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0)); // without groups: particles know them
+    if (i < tick.particle_count) {
+        const Particle p = particles[i];
+        const float u = p.scale * tick.falloff;
+        const float k = gaussianK(p.scale, tick.falloff);
+        const vec3 cell = (tick.map.hi - tick.map.lo) / vec3(tick.map.texels, tick.map.slices - 1); // m
+        const vec3 at = vec3(dot(tick.map.x, p.centre) - tick.map.lo.x, dot(tick.map.y, p.centre) - tick.map.lo.y,
+                             tick.map.hi.z - dot(tick.sun.to_light, p.centre)) / cell - vec3(0.5, 0.5, 0);
+        const vec3 variance = 0.5 / (k * cell * k * cell);
+        const vec3 stored = vec3(sharpened(variance.x), sharpened(variance.y), sharpened(variance.z));
+        const float column = lineDepth(p.sigma_t, k, 1.0) * sqrt(variance.x / stored.x * (variance.y / stored.y));
+        LightParticle light = LightParticle(vec4(at, 0.5 * column), inversesqrt(2 * stored), 1);
 
-    // Sharpening makes a column depth up to 4/3 as large.
-    const float radius = supportRadius(p.sigma_t, u, 0.75 * tick.cut);
-    if (radius <= 0) return;
-    const vec3 reach = radius / cell, size = vec3(kLanes, kRows, kGroup);
-    const ivec3 last = ivec3(push.tiles) - 1;
-    // Group g holds particles that add depth between planes kGroup g and kGroup (g + 1). One that ends between two
-    // planes counts at the lower one.
-    const ivec3 from = clamp(ivec3(floor((at - reach - vec3(0, 0, 1)) / size)), ivec3(0), last);
-    const ivec3 to = clamp(ivec3(floor((at + reach) / size)), ivec3(0), last);
-    const uint word = wordOf(i), bit = 1u << bitOf(i);
-    for (int t = from.x; t <= to.x; ++t) atomicOr(bits[columnWords(t) + word], bit);
-    for (int t = from.y; t <= to.y; ++t) atomicOr(bits[rowWords(t) + word], bit);
-    for (int t = from.z; t <= to.z; ++t) atomicOr(bits[groupWords(t) + word], bit);
+        // Sharpening makes a column depth up to 4/3 as large.
+        const float radius = supportRadius(p.sigma_t, u, 0.75 * tick.cut);
+        if (radius > 0) {
+            const vec3 reach = radius / cell, size = vec3(kColumns, kRows, kGroup);
+            const ivec3 last = ivec3(push.tiles) - 1;
+            // Group g holds particles that add depth between planes kGroup g and kGroup (g + 1). One that ends between
+            // two planes counts at the lower one.
+            const ivec3 from = clamp(ivec3(floor((at - reach - vec3(0, 0, 1)) / size)), ivec3(0), last);
+            const ivec3 to = clamp(ivec3(floor((at + reach) / size)), ivec3(0), last);
+            lines[0] = ivec2(from.x, to.x);
+            lines[1] = ivec2(from.y, to.y);
+            light.reach = uint(from.z) | uint(to.z) << 16;
+        }
+        light_particles[i] = light;
+    }
+    writeBins(0, lines, uvec3(push.tiles.xy, 0));
 }

@@ -1,9 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-// Method `slabs`, first pass, per eye. Converts every particle to the form that slabs.comp adds, and marks the
-// columns of tiles, rows of tiles and sheets of slabs that it may reach, one bit per particle and line. One workgroup
-// per 32 particles.
+// Method `slabs`, first pass, per eye. Converts every particle to the form that slabs.comp adds, and marks the columns
+// and rows of tiles that it may reach, one bit per particle and line. One workgroup per 32 particles.
 #include "shaders/shared/types.h"
 #include "shaders/shared/erf.h"
 #include "shaders/shared/support.h"
@@ -15,13 +14,17 @@ layout(local_size_x = 32) in;
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
 layout(scalar) writeonly buffer Members { SlabMember members[]; };
-// [columns, rows, sheets][32 particles], then pages; all 0 before.
+// [columns, rows][32 particles], then pages; all 0 before.
 layout(scalar) buffer Bins { uint bins[]; };
 
 const float kLog2e = 1.4426950408889634;
 // Least standard deviation of a particle, in spacings of rays and slabs. Narrower particles are widened, with the
 // same optical mass. With one ray per pixel nothing is widened: a pixel is then a point, as with every method.
 const float kLeastAcross = 0.7, kLeastAlong = 0.7;
+// Most -log2 of a Gaussian from the middle to the border of a tile, for recurrences: 2^-80 squared is still a float32.
+const float kMostSpread = 80;
+// -log2 of a Gaussian's part of its peak, on planes beyond which a tile's width does not matter to it.
+const float kMostFade = 20;
 
 #include "shaders/lib/frustum.glsl"
 #include "shaders/lib/line_bins_write.glsl"
@@ -31,7 +34,7 @@ void main() {
     const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
     const float pixel = 2 * eye.tan_y / float(eye.size.y); // m per m of view depth
     const float tile = float(grid.rate * kSlabTile) * pixel;
-    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0));
+    ivec2 reach[3] = ivec2[](ivec2(1, 0), ivec2(1, 0), ivec2(1, 0)); // without sheets: members know them
     if (i < tick.particle_count) {
         const Particle p = particles[i];
         const float u = p.scale * tick.falloff, own = max(0.1 * u, 1e-18);
@@ -45,7 +48,7 @@ void main() {
         m.sigma = p.sigma_t * (own / across) * (own / across) * (own / along);
         if (along > own) m.sigma *= widenedShare(own, along, grid.depth - m.centre.z, farDepth() - m.centre.z);
         m.albedo = p.albedo;
-        members[views[gl_WorkGroupID.z].members + i] = m;
+        m.reach = 1;
         const float radius = supportRadius(p.sigma_t, u, tick.cut);
         const float wide = radius * across / own, deep = radius * along / own;
         const float end = farDepth();
@@ -59,8 +62,14 @@ void main() {
                        last = (max(hi / near, hi / far) - origin) / tile + 1e-3;
             reach[0] = span(first.x, last.x, grid.lines.x);
             reach[1] = span(first.y, last.y, grid.lines.y);
-            reach[2] = span(sheetAt(near), sheetAt(far), grid.lines.z);
+            const ivec2 sheets = span(sheetAt(near), sheetAt(far), grid.lines.z);
+            const float reached = clamp(m.centre.z + sqrt(kMostFade / m.along), 0, middleDepth(grid.slabs - 1));
+            const float half_tile = reached * 0.5 * tile;
+            if (sheets.x <= sheets.y)
+                m.reach = uint(sheets.x) | uint(sheets.y) << 16 |
+                          (m.across * half_tile * half_tile > kMostSpread ? kSmallMember : 0);
         }
+        members[views[gl_WorkGroupID.z].members + i] = m;
     }
-    writeBins(views[gl_WorkGroupID.z].bins, reach, grid.lines);
+    writeBins(views[gl_WorkGroupID.z].bins, reach, uvec3(grid.lines.xy, 0));
 }

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 // Method `slabs`, third pass, per eye: traces rays through the slabs that slabs.comp has filled.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
@@ -34,12 +35,14 @@ uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
     from = tile_from + ray;
     apart = tiles * grid.slabs * rays;
     empty = true;
-    uint first = grid.slabs, end = 0;
-    for (uint s = 0; s < grid.slabs; s += grid.sheet)
+    uint first = grid.slabs, end = 0; // of all lanes: each asks other sheets
+    for (uint s = gl_SubgroupInvocationID * grid.sheet; s < grid.slabs; s += gl_SubgroupSize * grid.sheet)
         if (!isEmpty(s)) {
             first = min(first, s);
             end = s + grid.sheet;
         }
+    first = subgroupMin(first);
+    end = subgroupMax(end);
     return end == 0 ? uvec2(grid.slabs) : uvec2(max(first, 1) - 1, min(end + 1, grid.slabs));
 }
 

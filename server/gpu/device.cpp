@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -141,6 +142,9 @@ Device::Device(const DeviceOptions& options) : pipelines_(std::make_unique<Pipel
     try { // a constructor that throws runs no destructor
         createInstance(options);
         pickPhysicalDevice(options.name);
+        const Subgroups groups = subgroups(physical_);
+        lanes_together_ = std::min(std::bit_floor(groups.least), options.most_lanes);
+        lockstep_ = lanes_together_ == groups.most;
         createDevice(options);
     } catch (const Error&) {
         destroy();

@@ -29,6 +29,7 @@ struct DeviceOptions {
     bool validation = false;  // Khronos layer with synchronization checks; messages are logged and counted
     std::string name;         // part of the wanted device's name; empty: a real GPU first, then a CPU driver
     bool mesh_shaders = true; // use mesh shaders if the device has them
+    uint32_t most_lanes = 8;  // of workgroups that are one subgroup (Device::lanesTogether); for tests
     bool statistics = false;  // count the fragments of every pass if the device can; for measurements
 };
 
@@ -52,6 +53,10 @@ public:
     bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
     bool hasMeshShaders() const { return mesh_shaders_; }
     uint32_t subgroupSize() const { return subgroup_size_; } // lanes that exchange values; the least, if it varies
+    // Lanes of a workgroup that is one subgroup, where shaders want no more than 8: a power of two.
+    uint32_t lanesTogether() const { return lanes_together_; }
+    // True: a subgroup has no other lanes, and is a vector of one thread, as on CPU drivers.
+    bool lockstep() const { return lockstep_; }
     bool countsFragments() const { return counts_fragments_; }
 
     // Bytes of device memory in use by this program, and the most so far.
@@ -95,7 +100,8 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     uint32_t queue_family_ = 0;
     bool mesh_shaders_ = false;
-    uint32_t subgroup_size_ = 1;
+    uint32_t subgroup_size_ = 1, lanes_together_ = 1;
+    bool lockstep_ = false;
     bool labels_ = false;
     bool counts_fragments_ = false;
     std::unique_ptr<PipelineCache> pipelines_;

@@ -8,6 +8,7 @@ namespace {
 
 // Of compute shaders: `tiles`, `slabs` and `grid` vote and ballot, and with the volumetric shadow map they shuffle.
 constexpr VkSubgroupFeatureFlags kSubgroupOperations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                                       VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
                                                        VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
 
 bool hasFormatFeature(VkPhysicalDevice device, VkFormat format, VkFormatFeatureFlags feature) {
@@ -33,7 +34,8 @@ Subgroups subgroups(VkPhysicalDevice device) {
     vkGetPhysicalDeviceProperties2(device, &all);
     const bool compute = (v11.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
     return {compute ? v11.subgroupSupportedOperations : 0,
-            std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u))};
+            std::min(v11.subgroupSize, std::max(v13.minSubgroupSize, 1u)),
+            std::max(v11.subgroupSize, v13.maxSubgroupSize)};
 }
 
 std::string missing(VkPhysicalDevice device) {
@@ -48,7 +50,7 @@ std::string missing(VkPhysicalDevice device) {
     if (!f.v13.dynamicRendering) return "dynamicRendering";                     // beginDrawing()
     if (!f.v13.synchronization2) return "synchronization2"; // barriers, timestamps, Commands::submit()
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations)
-        return "subgroup votes, ballots and shuffles";
+        return "subgroup votes, sums, ballots and shuffles";
     if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes"; // sort_scan.comp
     if (properties.limits.maxPerStageDescriptorStorageBuffers < 16)
         return "sixteen storage buffers of a shader"; // froxels.comp

@@ -30,7 +30,7 @@ struct Features {
 // Groups of lanes that exchange values.
 struct Subgroups {
     VkSubgroupFeatureFlags operations; // in compute shaders
-    uint32_t least;                    // lanes
+    uint32_t least, most;              // lanes
 };
 
 bool hasDeviceExtension(VkPhysicalDevice device, std::string_view name);

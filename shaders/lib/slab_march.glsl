@@ -23,6 +23,10 @@ float beforeFirst(vec4 first) {
     return parabola + cubic * (sum * sum) / max(sum * sum + 64 * cubic * cubic, 1e-37);
 }
 
+// A slab with less optical depth is taken as empty. It is a part of what proxies may leave out on a ray, so that 512
+// slabs leave out a thousandth of that.
+const float kLeastSlab = 2e-6;
+
 // The medium's quantities at the middle of slab s, in the channels that are drawn.
 vec4 drawnMedium(uint s) { return tick.extinction * mediumAt(s); }
 
@@ -57,6 +61,7 @@ void march() {
     slabs = kHasFog ? uvec2(0, last_face) : min(slabs, uvec2(last_face));
     if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     if (kHasFog) startFog(kHasOpaque ? surfaceDepth(at) : kEndless);
+    const float least = kLeastSlab * tick.cut * float(tick.particle_count);
     bool known = false; // True: the light depth at the slab's own faces is known
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
@@ -70,20 +75,23 @@ void march() {
         then = ahead - frontSlabs() < grid.slabs ? drawnMedium(ahead - frontSlabs()) : vec4(0);
         if (ahead < slabs.x + kSlabsAhead) continue;
         const uint face = ahead - kSlabsAhead, s = face - frontSlabs(); // the slab and its near face
-        // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
-        const float square = here[kExtinction] * here[kExtinction];
-        if (s == 0) {
-            before = beforeFirst(
-                vec4(here[kExtinction], next[kExtinction], then[kExtinction], drawnMedium(3)[kExtinction]));
-            before = clamp(before, 0, square / max(next[kExtinction], 1e-30));
+        float slab = 0, curvature = 0;
+        if (before + here[kExtinction] + next[kExtinction] > 0 && !isFogAlone(face)) {
+            // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
+            const float square = here[kExtinction] * here[kExtinction];
+            if (s == 0) {
+                before = beforeFirst(
+                    vec4(here[kExtinction], next[kExtinction], then[kExtinction], drawnMedium(3)[kExtinction]));
+                before = clamp(before, 0, square / max(next[kExtinction], 1e-30));
+            }
+            if (s + 1 == grid.slabs)
+                next[kExtinction] = clamp(2 * here[kExtinction] - before, 0, square / max(before, 1e-30));
+            // Integral over the slab of the parabola through three middles: one sample alone would err where the near
+            // plane or a wall cuts the medium.
+            curvature = before - 2 * here[kExtinction] + next[kExtinction];
+            slab = max(here[kExtinction] + curvature / 24, 0) * (march_length * slabThickness());
+            if (slab <= least) slab = 0;
         }
-        if (s + 1 == grid.slabs)
-            next[kExtinction] = clamp(2 * here[kExtinction] - before, 0, square / max(before, 1e-30));
-        // Integral over the slab of the parabola through three middles: one sample alone would err where the near
-        // plane or a wall cuts the medium.
-        const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
-        float slab = max(here[kExtinction] + curvature / 24, 0) * (march_length * slabThickness());
-        if (isFogAlone(face)) slab = 0;
         if (slab > 0) {
             const float near = faceDepth(face), thick = slabThickness();
             [[dont_unroll]] for (int next_face = known ? 2 : -1; next_face < 3; ++next_face)

@@ -28,9 +28,10 @@ const uint kIdHasStructure = 33u;   // bool: some planes have a structure (groun
 const uint kIdUnion = 36u;          // bool: particles are balls whose union is the medium
 const uint kIdHasGlass = 60u;       // bool: there are sheets of glass: pictures are sums of layers (glass.h)
 
-// The volumetric shadow map.
-const uint kIdShadowLanes = 9u; // lanes that work on one tile together, texels of its width; a power of two, at most 8
-const uint kIdShadowGroupLanes = 10u; // lanes of a workgroup
+// Lanes of a workgroup that is one subgroup, where lanes work on one thing together: a power of two, at most 8
+// (Device::lanesTogether()). Slabs of a sheet, columns of a tile of the volumetric shadow map, planes of a brick.
+const uint kIdLanes = 9u;
+const uint kIdLockstep = 10u; // bool: those lanes are all of their subgroup, and run together without a barrier
 
 // Method `isv`.
 const uint kIdQuadrature = 11u; // 0: Simpson, 1: in transmittance, 2: analytic, 3: Taylor
@@ -45,7 +46,6 @@ const uint kIdPixelsPerLane = 14u; // pixels of a lane's run
 const uint kIdTileLanes = 15u;     // lanes of a workgroup
 
 // Methods `slabs` and `grid`: the field of rays.
-const uint kIdSheet = 16u;           // slabs that one workgroup works on together: its lanes
 const uint kIdCubic = 17u;           // bool: the grid is interpolated by cubics; else linearly, and it is finer
 const uint kIdCoarse = 26u;          // bool: the grid's coarse nodes are filled; else the others
 const uint kIdHasCoarse = 27u;       // bool: the grid has coarse nodes

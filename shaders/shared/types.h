@@ -217,6 +217,7 @@ const uint kMeshOrders = 8u;
 struct LightParticle {
     vec4 at; // centre in columns, rows and planes, 0: centre of the first texel; half its optical depth
     vec3 k;  // 1 / (sqrt(2) standard deviations) along columns, rows and planes
+    uint reach; // its first group of planes, and 65,536 times its last one; first > last: none
 };
 
 // A particle as an ellipsoidal Gaussian for the slabs of one eye, at least as wide as the spacings need. Also used for
@@ -227,8 +228,13 @@ struct SlabMember {
     float along;  // along the view
     float sigma;  // 1/m, extinction at the centre
     vec3 albedo;
+    uint reach; // its first sheet of slabs, and 65,536 times its last one; first > last: none. kSmallMember
 };
+// Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile (isSmallMember()).
+const uint kSmallMember = 0x8000u;
 
+const uint kMostListed = 1024u; // members of a tile that are listed together
+const uint kMostTogether = 32u; // sheets of a tile that a workgroup fills
 const uint kSlabTile = 8u;             // rays along a side of a tile
 const float kLogFogGrowth = 0.2630344; // log2(1.2): each slab before and behind the particles is a fifth thicker
 
@@ -307,7 +313,7 @@ static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays)
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
 static_assert(sizeof(SlabGrid) == 84 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
-static_assert(sizeof(LightParticle) == 28 && sizeof(DrawArguments) == 28);
+static_assert(sizeof(LightParticle) == 32 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif
 

@@ -60,7 +60,7 @@ void main() {
     put(objects[1].yaw_cos);
     put(objects[1].albedo.x);
     put(objects[1].yaw_sin);
-    put(light_particles[1].at.x); put(light_particles[1].k.x);
+    put(light_particles[1].at.x); put(light_particles[1].k.x); put(light_particles[1].reach);
     put(views[1].eye.position.x);
     put(views[1].map_rays.eye.x);
     put(views[1].map_rays.ray.x);

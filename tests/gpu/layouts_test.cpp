@@ -58,7 +58,7 @@ TEST_F(GpuTest, SharedStructsLieAlike) {
     second(4000, sizeof(Opaque),
            {AT(Opaque, centre), AT(Opaque, kind), AT(Opaque, half_size), AT(Opaque, yaw_cos), AT(Opaque, albedo),
             AT(Opaque, yaw_sin)});
-    second(5000, sizeof(LightParticle), {AT(LightParticle, at), AT(LightParticle, k)});
+    second(5000, sizeof(LightParticle), {AT(LightParticle, at), AT(LightParticle, k), AT(LightParticle, reach)});
     second(7000, sizeof(View),
            {AT(View, eye),
             AT(View, map_rays.eye),
@@ -176,8 +176,8 @@ std::string refusal(Action action) {
 
 TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
     const ShaderCode slabs{VK_SHADER_STAGE_COMPUTE_BIT, slabs_comp, "slabs"};
-    EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdSheet, 8}})); // the size of its workgroups
-    const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdSheet, 8}, {kIdStep, 4}}); };
+    EXPECT_NO_THROW(ComputeProgram(device(), slabs, {{kIdLanes, 8}})); // the size of its workgroups
+    const auto unknown_id = [&] { ComputeProgram(device(), slabs, {{kIdLanes, 8}, {kIdStep, 4}}); };
     EXPECT_EQ(refusal(unknown_id),
               fmt::format("slabs: no shader has a specialization constant with the id {} (shaders/shared/constants.h)",
                           uint32_t{kIdStep}));
@@ -195,12 +195,12 @@ TEST_F(GpuTest, AProgramRefusesConstantsThatNoneOfItsShadersHas) {
 
 TEST_F(GpuTest, VariantsTakeOfWhatIsOfferedWhatTheirShadersHave) {
     Variants variants(device(), shadow_particles_comp, "shadow_particles");
-    const Constants offered{{kIdHasFog, 1}, {kIdShadowLanes, 2}};
+    const Constants offered{{kIdHasFog, 1}, {kIdLanes, 2}};
     const Program& two = variants.with(offered);
-    EXPECT_EQ(&variants.with({{kIdShadowLanes, 2}}), &two) << "fog means nothing to it";
-    const Program& four = variants.with(offered, {{kIdShadowLanes, 4}});
+    EXPECT_EQ(&variants.with({{kIdLanes, 2}}), &two) << "fog means nothing to it";
+    const Program& four = variants.with(offered, {{kIdLanes, 4}});
     EXPECT_NE(&four, &two);
-    EXPECT_EQ(&variants.with({{kIdShadowLanes, 4}}), &four) << "its own value counts";
+    EXPECT_EQ(&variants.with({{kIdLanes, 4}}), &four) << "its own value counts";
     EXPECT_NE(refusal([&] {
                   variants.with({{kIdHasFog, 1}});
               }).find("shadow_particles: no shader has"),
@@ -253,10 +253,10 @@ TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
     Commands commands(device(), "too large");
     commands.begin();
     const auto bind = [&](VkDeviceSize tick, VkDeviceSize particles) { // bytes; nothing is dispatched
-        const glm::uvec4 push{};
+        const glm::uvec3 push{};
         program.bind(commands,
                      {uniformBuffer("TickBlock", buffer, 0, tick), storageBuffer("Particles", buffer, 0, particles),
-                      storageBuffer("LightParticles", buffer), storageBuffer("Bits", buffer)},
+                      storageBuffer("LightParticles", buffer), storageBuffer("Bins", buffer)},
                      push);
     };
     EXPECT_NO_THROW(bind(256, 256));

@@ -55,6 +55,33 @@ TEST_F(SlabsTest, RaysOfEveryRateErrByTheirSpacing) {
     EXPECT_GT(error(stage, soft(), 16, kPose), 0.01) << "rays too far apart are not seen by this test";
 }
 
+// Fewer lanes, as other devices have them, fill fewer slabs or planes together. Of 3,000 particles in few tiles not all
+// fit in one list.
+TEST_F(SlabsTest, FewerLanesDrawTheSamePicture) {
+    Scene scene = sceneOf(randomPoints(3000, 6, 3, 0.02f), 1.6f);
+    scene.render.slabs = 32;
+    scene.render.rate = 6;
+    const Pose outside = lookAt({3, 2, 34}, {0, 0, 0}, 0.35f), inside = lookAt({1, 0.5f, 2}, {0, 0, 0}, 0.9f);
+    for (const char* method : {"slabs", "grid"}) {
+        scene.render.method = method;
+        for (const uint32_t lanes : {4u, 1u}) {
+            const gpu::Device few({.validation = true, .name = device().name(), .most_lanes = lanes});
+            if (few.lanesTogether() == device().lanesTogether()) continue;
+            for (const Pose& pose : {outside, inside}) {
+                SCOPED_TRACE(testing::Message() << method << ", " << lanes << " lanes");
+                const Picture usual = render(device(), scene, pose, kWidth, kHeight),
+                              picture = render(few, scene, pose, kWidth, kHeight);
+                float most = 0;
+                for (const glm::vec4& pixel : usual.pixels) most = std::max({most, pixel.r, pixel.g, pixel.b});
+                ASSERT_GT(most, 0.01f);
+                for (size_t i = 0; i < usual.pixels.size(); ++i)
+                    for (int c = 0; c < 4; ++c) ASSERT_NEAR(picture.pixels[i][c], usual.pixels[i][c], 3e-5f) << i;
+            }
+            EXPECT_EQ(few.validationMessages(), 0u);
+        }
+    }
+}
+
 // Slabs are added to by sheets, in tiles whose width grows with the distance. A particle is much smaller than the tiles
 // of a sheet's last planes if it is small and close to the eye. It must not take away what else is there.
 TEST_F(SlabsTest, AParticleCloseToTheEyeTakesNothingAwayFromThoseBehind) {

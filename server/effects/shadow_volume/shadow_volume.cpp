@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "server/inputs/line_bins.h"
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/shadow_volume_comp.h"
 #include "shaders/tetrahedra_shadow_comp.h"
@@ -13,12 +14,8 @@ using gpu::storageBuffer;
 
 namespace {
 
-struct Bins { // as in the shaders
+struct Band { // as in the shader
     glm::uvec3 tiles;
-    uint32_t words;
-};
-struct Band {
-    Bins bins;
     uint32_t first_row, rows;
 };
 // Of texels that wait for their way into the image. Devices need not let a shader see more than 128 MiB of a buffer.
@@ -33,17 +30,11 @@ bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
 
 } // namespace
 
-ShadowVolume::Shape ShadowVolume::shapeFor(const gpu::Device& device) {
-    const uint32_t lanes = std::min(std::bit_floor(device.subgroupSize()), 8u);
-    return {lanes, device.isCpu() ? 1 : 64 / lanes};
-}
-
-ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape)
-    : device_(device), shape_(shape),
-      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
-                 {{gpu::kIdShadowLanes, shape.lanes}}),
+ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
+    : device_(device), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
+                                  {{gpu::kIdLanes, device.lanesTogether()}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{gpu::kIdShadowGroupLanes, shape.lanes * shape.tiles}, {gpu::kIdShadowLanes, shape.lanes}}),
+              {{gpu::kIdLanes, device.lanesTogether()}, {gpu::kIdLockstep, device.lockstep()}}),
       tetrahedra_(device, tetrahedra_shadow_comp, "tetrahedra_shadow") {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
@@ -99,25 +90,25 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resources& shared,
 
 void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick) {
     const VkCommandBuffer cmd = commands.handle();
-    const Bins bins{{gpu::groups(tick.map.texels.x, shape_.lanes), gpu::groups(tick.map.texels.y, kRows),
-                     gpu::groups(tick.map.slices - 1, kGroup)},
-                    gpu::groups(std::max(tick.particle_count, 1u), 256) * 8};
-    const VkDeviceSize bytes = VkDeviceSize(bins.tiles.x + bins.tiles.y + bins.tiles.z) * bins.words * sizeof(uint32_t);
-    bits_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+    const glm::uvec3 tiles{gpu::groups(tick.map.texels.x, device_.lanesTogether()),
+                           gpu::groups(tick.map.texels.y, kRows), gpu::groups(tick.map.slices - 1, kGroup)};
+    const uint32_t particles = std::max(tick.particle_count, 1u);
+    const VkDeviceSize bytes = lineBinBytes(tiles.x + tiles.y, particles);
+    bins_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                   gpu::Memory::device, "shadow bins");
-    vkCmdFillBuffer(cmd, bits_.handle(), 0, bytes, 0);
+    vkCmdFillBuffer(cmd, bins_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
-    particles_.bind(commands, shared, {storageBuffer("LightParticles", light_particles_), storageBuffer("Bits", bits_)},
-                    bins);
-    vkCmdDispatch(cmd, gpu::groups(std::max(tick.particle_count, 1u), 64), 1, 1);
+    particles_.bind(commands, shared, {storageBuffer("LightParticles", light_particles_), storageBuffer("Bins", bins_)},
+                    tiles);
+    vkCmdDispatch(cmd, gpu::groups(particles, 32), 1, 1);
     gpu::computeToCompute(cmd);
     inBands(cmd, tick, [&](uint32_t first, uint32_t rows) {
-        const Band band{bins, first, rows};
+        const Band band{tiles, first, rows};
         volume_.bind(commands, shared,
-                     {storageBuffer("LightParticles", light_particles_), storageBuffer("Bits", bits_),
+                     {storageBuffer("LightParticles", light_particles_), storageBuffer("Bins", bins_),
                       storageBuffer("Texels", texels_)},
                      band);
-        vkCmdDispatch(cmd, gpu::groups(gpu::groups(bins.tiles.x * band.rows, 8) * 8, shape_.tiles), 1, 1);
+        vkCmdDispatch(cmd, gpu::groups(tiles.x * rows, 8) * 8, 1, 1);
     });
 }
 

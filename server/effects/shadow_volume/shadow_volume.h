@@ -13,15 +13,7 @@ namespace brume {
 
 class ShadowVolume {
 public:
-    // Workgroups for a device: lanes that exchange values on one tile (a power of two up to 8), and tiles in a
-    // workgroup.
-    struct Shape {
-        uint32_t lanes, tiles;
-    };
-    static Shape shapeFor(const gpu::Device& device);
-
-    ShadowVolume(const gpu::Device& device, uint32_t capacity) : ShadowVolume(device, capacity, shapeFor(device)) {}
-    ShadowVolume(const gpu::Device& device, uint32_t capacity, Shape shape);
+    ShadowVolume(const gpu::Device& device, uint32_t capacity);
 
     // Records the volume of the tick's particles, or of the tetrahedra between them, unless the image holds it already.
     // `shared`: TickBlock and Particles. `same_particles`: true if the particles are those of the last call; light and
@@ -44,10 +36,9 @@ private:
 
     static constexpr uint32_t kRows = 8, kGroup = 6, kNewPlanesPerLayer = 3; // the same numbers as in the shaders
     const gpu::Device& device_;
-    const Shape shape_;
     gpu::ComputeProgram particles_, volume_;
     gpu::Variants tetrahedra_;
-    gpu::Buffer light_particles_, bits_, texels_;
+    gpu::Buffer light_particles_, bins_, texels_;
     gpu::Image image_;
     gpu::Tick last_{};
 };

@@ -1,6 +1,6 @@
 #include "server/methods/grid/medium_grid.h"
 
-#include "server/methods/rays/line_bins.h"
+#include "server/inputs/line_bins.h"
 #include "shaders/grid_bins_comp.h"
 #include "shaders/grid_fill_comp.h"
 #include "shaders/shared/field.h"
@@ -32,11 +32,17 @@ GridPass::GridPass(const gpu::Device& device)
 }
 
 const gpu::Program& GridPass::coarseProgram() {
-    return program_.with({{gpu::kIdCoarse, true}, {gpu::kIdHasCoarse, true}});
+    return program_.with({{gpu::kIdLanes, device_.lanesTogether()},
+                          {gpu::kIdLockstep, device_.lockstep()},
+                          {gpu::kIdCoarse, true},
+                          {gpu::kIdHasCoarse, true}});
 }
 
 const gpu::Program& GridPass::fineProgram(bool has_coarse) {
-    return program_.with({{gpu::kIdCoarse, false}, {gpu::kIdHasCoarse, has_coarse}});
+    return program_.with({{gpu::kIdLanes, device_.lanesTogether()},
+                          {gpu::kIdLockstep, device_.lockstep()},
+                          {gpu::kIdCoarse, false},
+                          {gpu::kIdHasCoarse, has_coarse}});
 }
 
 void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings, bool linear) {
@@ -79,7 +85,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
                       gpu::storageBuffer("Bins", bins_), gpu::storageBuffer("Marks", marks_),
                       gpu::storageBuffer("CoarseNodes", from)},
                      grid);
-        vkCmdDispatch(cmd, size.x, size.y, size.z * quantities);
+        vkCmdDispatch(cmd, size.x, size.y, size.z * (gpu::kSlabTile / device_.lanesTogether()) * quantities);
         gpu::computeToCompute(cmd);
     };
     const bool has_coarse = hasCoarse(grid);

@@ -66,8 +66,8 @@ void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
     grid.fog_step = kFogStep * in.medium->extent->deviation;
 }
 
-// The grid of the whole picture, but for its rows.
-gpu::SlabGrid gridOf(const EyeInputs& in) {
+// The grid of the whole picture, but for its rows. `sheet`: slabs that are filled together.
+gpu::SlabGrid gridOf(const EyeInputs& in, uint32_t sheet) {
     gpu::SlabGrid grid{};
     auto [near, far] = depths(in);
     far = std::max(far, near + 1e-3f); // all of it behind the eye: slabs without particles
@@ -84,10 +84,11 @@ gpu::SlabGrid gridOf(const EyeInputs& in) {
     const float wanted = std::ceil((far - near) / (kSlabsPerDeviation * deviation));
     const uint32_t asked = in.shared->settings->slabs;
     const uint32_t slabs = asked ? asked : uint32_t(std::clamp(wanted, 1.0f, float(kMostSlabs)));
-    grid.sheet = 8;
+    grid.sheet = sheet;
     grid.margin = grid.rate > 1 ? kRayMargin : 1;
     grid.nodes = {gpu::groups(in.size.width, grid.rate) + raysBeyond(grid.margin), 0};
-    grid.lines = {gpu::groups(grid.nodes.x, gpu::kSlabTile), 0, gpu::groups(std::max(slabs, kLeastSlabs), grid.sheet)};
+    grid.lines = {gpu::groups(grid.nodes.x, gpu::kSlabTile), 0,
+                  gpu::groups(std::max(slabs, kLeastSlabs), kLeastSlabs) * (kLeastSlabs / sheet)};
     grid.slabs = grid.lines.z * grid.sheet;
     grid.depth = near;
     grid.thickness = (far - near) / float(grid.slabs);
@@ -138,7 +139,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     order_.clear();
     for (const EyeInputs& in : eyes) order_.push_back(&in);
     const auto kind = [&](const EyeInputs* in) {
-        const uint32_t rate = gridOf(*in).rate;
+        const uint32_t rate = gridOf(*in, device_.lanesTogether()).rate;
         return std::tuple(in->medium, coloursOf(*in), rate, shadingStepOf(*in, rate));
     };
     const bool alone = eyes.front().shared->uses_target;
@@ -262,7 +263,7 @@ VkDeviceSize SlabRays::fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid
 }
 
 SlabRays::Bands SlabRays::bandsOf(const EyeInputs& in) const {
-    Bands bands{gridOf(in), 0, 0};
+    Bands bands{gridOf(in, device_.lanesTogether()), 0, 0};
     gpu::SlabGrid& grid = bands.grid;
     bands.cells = gpu::groups(in.size.height, grid.rate);
     const auto tooLarge = [&] {

@@ -1,7 +1,7 @@
 // Method `slabs`: each eye adds all particles to slabs of a coarse grid of rays; their order does not matter.
 // The medium's band limit says how coarse. Passes: ends of the rays at objects, bins, slabs, slab light,
 // spline of the rays.
-#include "server/methods/rays/line_bins.h"
+#include "server/inputs/line_bins.h"
 #include "server/methods/rays/slab_rays.h"
 #include "shaders/slab_bins_comp.h"
 #include "shaders/slab_light_comp.h"
@@ -9,6 +9,9 @@
 
 namespace brume::methods::slabs {
 namespace {
+
+// Workgroups that keep a device busy.
+constexpr uint32_t kGroupsOfCpu = 24, kGroupsOfGpu = 1 << 14;
 
 class Slabs : public SlabRays {
 public:
@@ -18,7 +21,7 @@ public:
 
 private:
     Elements elementsOf(const EyeInputs& in, const gpu::SlabGrid& grid) const override {
-        const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y + grid.lines.z, in.medium->count);
+        const VkDeviceSize bits = lineBinBytes(grid.lines.x + grid.lines.y, in.medium->count);
         return {.members = in.medium->count,
                 .bins = bits / sizeof(uint32_t),
                 .added = VkDeviceSize(grid.lines.x) * grid.lines.y * grid.slabs * (kRaysOfTile / 4) * quantitiesOf(in)};
@@ -49,15 +52,19 @@ private:
         }
         if (!in.shared->later_hue) {
             const gpu::Commands::Pass pass(commands, "slabs", group.view());
+            const uint32_t sheets = group.most([](const gpu::View& v) { return v.grid.lines.z; });
+            const uint32_t together = sheetsTogether(sheets, columns * rows * quantitiesOf(in) * group.count());
             struct Push {
-                uint32_t sheets, quantities;
-            } push{group.most([](const gpu::View& v) { return v.grid.lines.z; }), quantitiesOf(in)};
-            slabs_.with(constantsOf(group), {{gpu::kIdSheet, group.views.front().grid.sheet}})
+                uint32_t parts, together, quantities;
+            } push{gpu::groups(sheets, together), together, quantitiesOf(in)};
+            slabs_
+                .with(constantsOf(group),
+                      {{gpu::kIdLanes, device_.lanesTogether()}, {gpu::kIdLockstep, device_.lockstep()}})
                 .bind(commands, group.resources,
                       {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Added", added_),
                        gpu::storageBuffer("Bins", bins_)},
                       push);
-            vkCmdDispatch(cmd, columns, rows, push.sheets * push.quantities * group.count());
+            vkCmdDispatch(cmd, columns, rows, push.parts * push.quantities * group.count());
             gpu::computeToCompute(cmd);
         }
         {
@@ -66,6 +73,14 @@ private:
             vkCmdDispatch(cmd, columns, rows, group.count());
             gpu::computeToCompute(cmd);
         }
+    }
+
+    // How many of the `sheets` of a tile a workgroup fills, if there are so many tiles, of all views and quantities.
+    // All sheets of a tile share the list of its members, but workgroups should be enough for all cores.
+    uint32_t sheetsTogether(uint32_t sheets, uint32_t tiles) const {
+        const uint32_t wanted = device_.subgroupSize() > gpu::kSlabTile ? kGroupsOfGpu : kGroupsOfCpu;
+        const uint32_t parts = std::clamp(gpu::groups(wanted, std::max(tiles, 1u)), 1u, sheets);
+        return std::min(gpu::groups(sheets, parts), gpu::kMostTogether);
     }
 
     gpu::ComputeProgram bins_program_;
