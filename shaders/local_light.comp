@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_basic : require
 // Local light, per eye: radiance of the light of points and spots that the medium scatters toward the eye, up to the
 // pixel's surface (lib/local_light_ray.glsl). A workgroup makes a tile of 16x16 pixels. With kStep it computes one of
 // 4x4, and others only where those do not tell them: at edges, and near lights.
@@ -39,7 +40,8 @@ shared uint has_core; // 1: near_light of some node
 
 void main() {
     enterView(0);
-    const uint lane = gl_LocalInvocationIndex;
+    // gl_LocalInvocationIndex would be divided out anew behind each barrier.
+    const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
     const uvec2 tile = gl_WorkGroupID.xy * kPixelTile + uvec2(0, views[0].first);
     const uvec2 end = uvec2(eye.size.x, views[0].end);
     const bool coarse = kStep > 1 && all(lessThan(tile + kPixelTile, end)); // True: all nodes are in the picture
@@ -49,14 +51,16 @@ void main() {
         const bool nodes = part == 0;
         const uvec2 quarter = uvec2((part - 1) & 1, (part - 1) >> 1);
         const uvec2 in_tile = nodes ? kStep * uvec2(lane % kNodes, lane / kNodes) :
-                                      8 * quarter + gl_LocalInvocationID.xy;
+                                      8 * quarter + uvec2(lane % 8, lane / 8);
         const uvec2 pixel = tile + in_tile;
-        if (nodes ? coarse && lane < kNodes * kNodes : all(lessThan(pixel, end))) {
-            const float depth = texelFetch(view_depth, ivec2(pixel), 0).r;
-            vec3 light;
-            bool near_light = false;
-            if (nodes || !coarse || has_core != 0 || !isBetweenNodes(in_tile, 1 / depth, light))
-                light = ofPixel(pixel, depth, near_light);
+        const bool made = nodes ? coarse && lane < kNodes * kNodes : all(lessThan(pixel, end));
+        float depth = 1;
+        if (made) depth = texelFetch(view_depth, ivec2(pixel), 0).r;
+        vec3 light;
+        bool near_light = false, between = false; // True: the nodes tell the light
+        if (!nodes && coarse && has_core == 0) between = isBetweenNodes(in_tile, 1 / depth, light);
+        if (made) {
+            if (!between) light = ofPixel(pixel, depth, near_light);
             if (nodes) {
                 node_value[lane] = light;
                 node_inverse[lane] = 1 / depth;

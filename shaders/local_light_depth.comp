@@ -1,9 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // Local light depth, once a tick: the optical depth of the particles from a point or a spot to some distances in many
-// directions (LocalLight::volume). A lane is a direction. A workgroup has 8x8 neighbouring ones, and tests each
-// particle once for all of them.
+// directions (LocalLight::volume). A lane is a direction. A workgroup has 8x8 neighbouring ones. The lanes of a subgroup
+// load and test a particle each, and then add those that some direction of the workgroup meets.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
@@ -18,16 +21,13 @@ layout(scalar) writeonly buffer LightDepths { float light_depths[]; }; // of eac
 
 #include "shaders/lib/light_directions.glsl"
 
-const uint kLanes = 64;
 const float kEnd = 3.5; // of a Gaussian, in units of 1 / k: 4e-7 of its depth lie beyond
-
-shared uint near_bits[2]; // particles of this round that some direction of the workgroup meets
 
 void main() {
     const LocalLight light = local_lights[gl_WorkGroupID.z];
     if (light.volume == kNoVolume || any(greaterThanEqual(8 * gl_WorkGroupID.xy, uvec2(light.volume_side)))) return;
-    const uint lane = gl_LocalInvocationIndex;
-    const uvec2 node = gl_GlobalInvocationID.xy;
+    const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+    const uvec2 node = 8 * gl_WorkGroupID.xy + uvec2(lane % 8, lane / 8);
     const float to_square = 2 / float(light.volume_side - 1);
     const vec3 w = fromLightSquare(light, vec2(node) * to_square - 1);
     // The cone of the workgroup's directions. They do not cross the octahedron's edges where it is folded.
@@ -41,39 +41,48 @@ void main() {
 
     float added[kMostLightShells]; // between each distance and the one before it
     for (uint s = 0; s < light.volume_shells; ++s) added[s] = 0;
-    for (uint round = 0; round < tick.particle_count; round += kLanes) {
-        barrier();
-        if (lane < 2) near_bits[lane] = 0;
-        barrier();
-        if (round + lane < tick.particle_count) {
-            const Particle p = particles[round + lane];
-            const vec3 to = p.centre - light.position;
+    const uint lanes = min(gl_SubgroupSize, 32);
+    for (uint round = 0; round < tick.particle_count; round += lanes) {
+        bool met = false;
+        vec3 own_to = vec3(0);
+        float own_k = 1, own_line = 0;
+        if (gl_SubgroupInvocationID < lanes && round + gl_SubgroupInvocationID < tick.particle_count) {
+            const Particle p = particles[round + gl_SubgroupInvocationID];
+            own_to = p.centre - light.position;
+            own_k = gaussianK(p.scale, tick.falloff);
+            own_line = p.sigma_t;
             const float radius = supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut);
-            const float along = dot(to, middle), across = sqrt(max(dot(to, to) - along * along, 0));
-            const bool around = dot(to, to) <= radius * radius;
-            if (around || (along > -radius && across * cosine - along * sine <= radius))
-                atomicOr(near_bits[lane / 32], 1u << (lane & 31));
+            const float along = dot(own_to, middle), across = sqrt(max(dot(own_to, own_to) - along * along, 0));
+            const bool around = dot(own_to, own_to) <= radius * radius;
+            met = around || (along > -radius && across * cosine - along * sine <= radius);
         }
-        barrier();
-        for (uint word = 0; word < 2; ++word)
-            for (uint bits = near_bits[word]; bits != 0; bits &= bits - 1) {
-                const Particle p = particles[round + 32 * word + findLSB(bits)];
-                const vec3 to = p.centre - light.position;
-                const float middle_at = dot(to, w), k = gaussianK(p.scale, tick.falloff);
+        uint bits = subgroupBallot(met).x;
+        if (bits != 0) do { // the loop's condition is at its end: see lib/tile_members.glsl
+                const uint j = findLSB(bits);
+                bits &= bits - 1;
+                const vec3 to = vec3(subgroupShuffle(own_to.x, j), subgroupShuffle(own_to.y, j),
+                                     subgroupShuffle(own_to.z, j));
+                const float k = subgroupShuffle(own_k, j), sigma_t = subgroupShuffle(own_line, j);
+                const float middle_at = dot(to, w);
                 const vec3 off = to - middle_at * w;
-                const float half_line = 0.5 * lineDepth(p.sigma_t, k, gaussianAcross(k, dot(off, off)));
-                if (half_line < 0.1 * tick.cut || middle_at * k < -kEnd) continue;
-                // The first distance stands for the light itself: nothing lies between.
-                const vec2 ends = (middle_at + vec2(-kEnd, kEnd) / k - light.volume_near) / light.volume_step;
-                const uint last = uint(clamp(ceil(ends.y), 0, float(light.volume_shells - 1)));
-                uint s = uint(clamp(floor(ends.x), 0, float(light.volume_shells - 1)));
-                float before = erf(k * (light.volume_near + float(s) * light.volume_step - middle_at));
-                for (++s; s <= last; ++s) {
-                    const float here = erf(k * (light.volume_near + float(s) * light.volume_step - middle_at));
-                    added[s] += half_line * (here - before);
-                    before = here;
+                const float half_line = 0.5 * lineDepth(sigma_t, k, gaussianAcross(k, dot(off, off)));
+                if (half_line >= 0.1 * tick.cut && middle_at * k >= -kEnd) {
+                    // The first distance stands for the light itself: nothing lies between.
+                    const vec2 ends = (middle_at + vec2(-kEnd, kEnd) / k - light.volume_near) / light.volume_step;
+                    const uint last = uint(clamp(ceil(ends.y), 0, float(light.volume_shells - 1)));
+                    uint s = uint(clamp(floor(ends.x), 0, float(light.volume_shells - 1)));
+                    const float step = k * light.volume_step;
+                    const float start = k * (light.volume_near - middle_at);
+                    float before = erf(start + float(s) * step);
+                    if (s < last) do { // two distances at a time, which do not wait for each other
+                            const float here = erf(start + float(s + 1) * step), next = erf(start + float(s + 2) * step);
+                            added[s + 1] += half_line * (here - before);
+                            if (s + 2 <= last) added[s + 2] += half_line * (next - here);
+                            before = next;
+                            s += 2;
+                        } while (s < last);
                 }
-            }
+            } while (bits != 0);
     }
     const uint at = light.volume + (node.y * light.volume_side + node.x) * light.volume_shells;
     float sum = 0;

@@ -1,3 +1,4 @@
+#extension GL_KHR_shader_subgroup_shuffle : require
 // Values of some pixels of a tile, its nodes, and those between them. Include after these are declared: kStep, the
 // distance of nodes in pixels; kStraight, the most that their cubic differs from straight lines, as a part of the
 // largest value.
@@ -15,27 +16,61 @@ vec4 cubicThrough(float t) {
     return vec4(-a * b * c / 6, t * b * c / 2, -t * a * c / 2, t * a * b / 6);
 }
 
+// A column of nodes at the height of a row of pixels.
+struct NodeColumn {
+    vec3 value, straight; // by the cubic down the column, and by a straight line
+    vec3 most;            // largest value of the cubic's nodes
+    float inverse;        // by the cubic
+};
+
+// `at`: the row, in nodes.
+NodeColumn nodeColumn(uint column, float at) {
+    const uint cell = min(uint(at), kNodes - 2), first = clamp(cell, 1, kNodes - 3) - 1;
+    const vec4 down = cubicThrough(at - float(first));
+    NodeColumn sum = NodeColumn(vec3(0), vec3(0), vec3(0), 0);
+    [[unroll]] for (uint j = 0; j < 4; ++j) {
+        const uint node = (first + j) * kNodes + column;
+        const vec3 there = node_value[node];
+        sum.value += down[j] * there;
+        sum.straight += max(1 - abs(float(first + j) - at), 0) * there; // of the cell's two
+        sum.most = max(sum.most, there);
+        sum.inverse += down[j] * node_inverse[node];
+    }
+    return sum;
+}
+
+vec3 ofLane(vec3 own, uint lane) {
+    return vec3(subgroupShuffle(own.x, lane), subgroupShuffle(own.y, lane), subgroupShuffle(own.z, lane));
+}
+
 // True if the nodes tell the value of a pixel of the tile: their cubic hardly differs from straight lines, neither
-// across nor down, and the surfaces that they end on are one plane with the pixel's.
+// across nor down, and the surfaces that they end on are one plane with the pixel's. Called by all lanes. Eight
+// neighbours have eight pixels of a row: each interpolates one column, for all of them.
 bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 value) {
     const vec2 at = vec2(pixel) / float(kStep);
-    const uvec2 cell = min(uvec2(at), uvec2(kNodes - 2)), first = clamp(cell, uvec2(1), uvec2(kNodes - 3)) - 1;
-    const vec4 across = cubicThrough(at.x - float(first.x)), down = cubicThrough(at.y - float(first.y));
-    const vec2 part = at - vec2(cell);
+    const uint cell = min(uint(at.x), kNodes - 2), first = clamp(cell, 1, kNodes - 3) - 1;
+    const vec4 across = cubicThrough(at.x - float(first));
+    const uint lane = gl_SubgroupInvocationID;
+    const bool together = gl_SubgroupSize >= 8;
+    const NodeColumn own = nodeColumn(together ? min(lane % 8, kNodes - 1) : first, at.y);
     vec3 straight_across = vec3(0), straight_down = vec3(0), most = vec3(0);
     float depth = 0;
     value = vec3(0);
-    for (uint j = 0; j < 4; ++j)
-        for (uint i = 0; i < 4; ++i) {
-            const uvec2 node = first + uvec2(i, j);
-            const vec3 there = node_value[node.y * kNodes + node.x];
-            value += across[i] * down[j] * there;
-            depth += across[i] * down[j] * node_inverse[node.y * kNodes + node.x];
-            const vec2 near = max(1 - abs(vec2(node) - vec2(cell) - part), 0); // of the cell's four
-            straight_across += near.x * down[j] * there;
-            straight_down += across[i] * near.y * there;
-            most = max(most, there);
+    [[unroll]] for (uint i = 0; i < 4; ++i) {
+        NodeColumn column;
+        if (together) {
+            const uint there = lane - lane % 8 + first + i;
+            column = NodeColumn(ofLane(own.value, there), ofLane(own.straight, there), ofLane(own.most, there),
+                                subgroupShuffle(own.inverse, there));
+        } else {
+            column = nodeColumn(first + i, at.y);
         }
+        value += across[i] * column.value;
+        straight_across += max(1 - abs(float(first + i) - at.x), 0) * column.value; // of the cell's two
+        straight_down += across[i] * column.straight;
+        most = max(most, column.most);
+        depth += across[i] * column.inverse;
+    }
     const vec3 bend = max(abs(value - straight_across), abs(value - straight_down));
     return abs(depth - inverse) <= kSamePlane * inverse && all(lessThanEqual(bend, kStraight * most));
 }
