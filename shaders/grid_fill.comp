@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_shuffle : require
@@ -96,12 +97,12 @@ void main() {
         uint count = 0;
         do {
             uint left = nextBits(lines, word);
-            do {
-                const uint found = ballot(left != 0);
-                if (left != 0) listed[count + lanesBefore(found)] = (word + gl_SubgroupInvocationID) * 32 + findLSB(left);
-                left &= left - 1;
-                count += bitCount(found);
-            } while (ballot(left != 0) != 0);
+            uint to = count + subgroupExclusiveAdd(bitCount(left));
+            count += subgroupAdd(bitCount(left));
+            if (ballot(left != 0) != 0) do {
+                    if (left != 0) listed[to++] = (word + lane) * 32 + findLSB(left);
+                    left &= left - 1;
+                } while (ballot(left != 0) != 0);
             word += kLanes;
         } while (word < words && count + 32 * kLanes <= kMostListed);
         meetLanes();

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 // Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. For parallel light,
 // tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) is a product of one factor per axis. One workgroup, which is
 // one subgroup, per tile; a lane is a column of texels. Each lane takes a particle and computes its factors for rows and
@@ -24,9 +25,12 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 #include "shaders/lib/shadow_bins.glsl"
+
+uint reachOf(uint particle) { return light_particles[particle].reach; }
+
 #include "shaders/lib/tile_lists.glsl"
 
-float of(uint lane, float value) { return subgroupBroadcast(value, lane); }
+float of(uint lane, float value) { return subgroupShuffle(value, lane); }
 
 // Adds the particles of the lanes to a group of planes, in a tile whose first texel is `first`.
 void addParticles(inout float added[kRows][kGroup], LightParticle p, uvec2 first, uint group) {
@@ -73,27 +77,10 @@ void main() {
     uint word = 0;
     bool stored = false; // True: texels have the depth of earlier members
     do {                 // once, unless there are more members than a list holds
-        uint count = 0, present = 0; // members in the list; bits of the groups that they are in
-        if (word < words) do {
-                uint left = nextBits(lines, word);
-                if (ballot(left != 0) != 0) do {
-                        const bool some = left != 0;
-                        const uint index = (word + lane) * 32 + (some ? findLSB(left) : 0);
-                        left &= left - 1;
-                        const uint reach = some ? light_particles[index].reach : 1;
-                        const uvec2 groups = uvec2(reach & 0xffff, reach >> 16);
-                        const uint found = ballot(groups.x <= groups.y);
-                        if (groups.x <= groups.y) {
-                            listed[count + lanesBefore(found)] = packed(index, groups);
-                            present |= sheetBits(groups);
-                        }
-                        count += bitCount(found);
-                    } while (ballot(left != 0) != 0);
-                word += kLanes;
-            } while (word < words && hasRoom(count));
-        present = subgroupOr(present);
+        TileList list = TileList(0, 0, false);
+        if (words > 0) list = listMembers(lines, word, uvec2(0, push.tiles.z));
         meetLanes();
-        if (count > 0) sortIntoSheets(count, push.tiles.z);
+        if (list.present != 0) sortIntoSheets(list, push.tiles.z, 0);
         meetLanes();
 
         float depth[kRows]; // at the last finished plane
@@ -103,13 +90,13 @@ void main() {
             float added[kRows][kGroup];
             for (uint r = 0; r < kRows; ++r)
                 for (uint g = 0; g < kGroup; ++g) added[r][g] = 0;
-            if ((present >> group & 1) != 0) {
-                const uint some = chooseMembers(count, group);
+            if ((list.present >> group & 1) != 0) {
+                const uint some = chooseMembers(list, group, 0);
                 meetLanes();
                 uint next = 0;
                 do {
-                    LightParticle mine = LightParticle(vec4(0), vec3(0), 0);
-                    if (next + lane < some) mine = light_particles[chosen[next + lane]];
+                    LightParticle mine = light_particles[chosen[min(next + lane, some - 1)]];
+                    if (next + lane >= some) mine.at.w = 0;
                     addParticles(added, mine, first, group);
                     next += kLanes;
                 } while (next < some);

@@ -21,8 +21,9 @@ const float kLog2e = 1.4426950408889634;
 // Least standard deviation of a particle, in spacings of rays and slabs. Narrower particles are widened, with the
 // same optical mass. With one ray per pixel nothing is widened: a pixel is then a point, as with every method.
 const float kLeastAcross = 0.7, kLeastAlong = 0.7;
-// Most -log2 of a Gaussian from the middle to the border of a tile, for recurrences: 2^-80 squared is still a float32.
-const float kMostSpread = 80;
+// Most -log2 of a Gaussian from the middle to the border of a tile, for recurrences that begin in the middle. With it a
+// particle beside the tile, whose value there is no float32 any more, has less than 2^-20 of its peak at the border.
+const float kMostSpread = 40;
 // -log2 of a Gaussian's part of its peak, on planes beyond which a tile's width does not matter to it.
 const float kMostFade = 20;
 

@@ -34,6 +34,10 @@ layout(push_constant, scalar) uniform Push {
 
 #include "shaders/lib/frustum.glsl"
 #include "shaders/lib/spread.glsl"
+
+uint first_member;
+uint reachOf(uint particle) { return members[first_member + particle].reach; }
+
 #include "shaders/lib/tile_lists.glsl"
 #include "shaders/lib/tile_points.glsl"
 #include "shaders/lib/field_planes.glsl"
@@ -63,75 +67,59 @@ void main() {
     const uint tiles = grid.lines.x * grid.lines.y;
     const uint to_tile =
         views[view].added + (quantity * tiles + tile.y * grid.lines.x + tile.x) * grid.slabs * (kPoints / 4);
-    const uint first_member = views[view].members, words = (tick.particle_count + 31) / 32, row = grid.lines.x + tile.y;
-    const Lines lines = Lines(views[view].bins, tile.x, row, row, grid.lines.x + grid.lines.y, words);
+    first_member = views[view].members;
+    const uint words = (tick.particle_count + 31) / 32;
+    const Lines lines =
+        Lines(views[view].bins, tile.x, grid.lines.x + tile.y, kNoLine, grid.lines.x + grid.lines.y, words);
     const uint sheets = sheetsRead(tile, first_sheet, end_sheet);
 
     uint stored = 0; // bits of the part's sheets that have been stored
-    uint word = sheets > 0 ? 0 : words;
-    if (word < words) do {               // once, unless there are more members than a list holds
-            uint count = 0, small = 0, present = 0; // members in the list; bits of the part's sheets that they are in
+    uint word = 0;
+    if (sheets > 0 && words > 0) do { // once, unless there are more members than a list holds
+            TileList list = listMembers(lines, word, first_sheet + uvec2(0, sheets));
+            if (list.present == 0) continue;
+            meetLanes();
+            sortIntoSheets(list, sheets, 0);
+            if (list.small) sortIntoSheets(list, sheets, kSmall);
+            meetLanes();
             do {
-                uint left = nextBits(lines, word);
-                if (ballot(left != 0) != 0) do {
-                        const bool some = left != 0;
-                        const uint index = (word + lane) * 32 + (some ? findLSB(left) : 0);
-                        left &= left - 1;
-                        const uint reach = some ? members[first_member + index].reach : 1;
-                        const uvec2 own = uvec2(reach & (kSmallMember - 1), reach >> 16);
-                        const bool is_member = own.x <= own.y && own.x < first_sheet + sheets && own.y >= first_sheet,
-                                   is_small = is_member && (reach & kSmallMember) != 0;
-                        const uint found = ballot(is_member && !is_small), found_small = ballot(is_small);
-                        if (is_member) {
-                            const uvec2 here = clamp(own, first_sheet, end_sheet - 1) - first_sheet;
-                            listed[is_small ? kMostListed - 1 - small - lanesBefore(found_small) :
-                                              count + lanesBefore(found)] = packed(index, here);
-                            present |= sheetBits(here);
-                        }
-                        count += bitCount(found);
-                        small += bitCount(found_small);
-                    } while (ballot(left != 0) != 0);
-                word += kLanes;
-            } while (word < words && hasRoom(count + small));
-            present = subgroupOr(present) & (0xffffffffu >> (32 - sheets));
-            meetLanes();
-            sortIntoSheets(count, sheets);
-            meetLanes();
-            if (present != 0) do {
-                    const uint sheet = findLSB(present), first_slab = (first_sheet + sheet) * kLanes;
-                    present &= present - 1;
-                    const float z = middleDepth(first_slab + lane); // of the lane's slab
-                    const vec3 at = vec3(z * corner, z);
-                    const float spacing = z * pixel * float(grid.rate);
-                    const uint out_at = to_tile + (first_slab + lane) * (kPoints / 4);
-                    float sum[kPoints];
-                    [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
-                    if ((stored >> sheet & 1) != 0) {
-                        [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = added[out_at + r / 4][r % 4];
-                    }
-                    stored |= 1u << sheet;
-                    // Each lane loads one member, then all lanes add it. On CPU drivers, uniform loads inside loops are
-                    // as slow as scattered ones.
-                    const uint chosen_count = chooseMembers(count, sheet);
+                const uint sheet = findLSB(list.present), first_slab = (first_sheet + sheet) * kLanes;
+                list.present &= list.present - 1;
+                const float z = middleDepth(first_slab + lane); // of the lane's slab
+                const vec3 at = vec3(z * corner, z);
+                const float spacing = z * pixel * float(grid.rate);
+                const uint out_at = to_tile + (first_slab + lane) * (kPoints / 4);
+                float sum[kPoints];
+                [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = 0;
+                if ((stored >> sheet & 1) != 0) {
+                    [[unroll]] for (uint r = 0; r < kPoints; ++r) sum[r] = added[out_at + r / 4][r % 4];
+                }
+                stored |= 1u << sheet;
+                // Each lane loads one member, then all lanes add it. On CPU drivers, uniform loads inside loops are as
+                // slow as scattered ones.
+                const uint some = chooseMembers(list, sheet, 0);
+                meetLanes();
+                uint next = 0;
+                if (some > 0) do {
+                        Held mine = kNoMember;
+                        if (next + lane < some)
+                            mine = heldMember(members[first_member + chosen[next + lane]], quantity);
+                        addMembers(sum, mine, min(kLanes, some - next), at, spacing);
+                        next += kLanes;
+                    } while (next < some);
+                if (list.small) {
                     meetLanes();
-                    uint next = 0;
-                    if (chosen_count > 0) do {
-                            Held mine = kNoMember;
-                            if (next + lane < chosen_count)
-                                mine = heldMember(members[first_member + chosen[next + lane]], quantity);
-                            addMembers(sum, mine, min(kLanes, chosen_count - next), at, spacing);
-                            next += kLanes;
-                        } while (next < chosen_count);
+                    const uint small = chooseMembers(list, sheet, kSmall);
+                    meetLanes();
                     next = 0;
                     if (small > 0) do {
-                            const uint one = listed[kMostListed - 1 - next];
-                            if (isIn(one, sheet))
-                                addSmall(sum, heldMember(members[first_member + indexOf(one)], quantity), at, spacing);
+                            addSmall(sum, heldMember(members[first_member + chosen[next]], quantity), at, spacing);
                         } while (++next < small);
-                    [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =
-                        vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
-                    meetLanes(); // the lists are free again
-                } while (present != 0);
+                }
+                [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =
+                    vec4(sum[r], sum[r + 1], sum[r + 2], sum[r + 3]);
+                meetLanes(); // the lists are free again
+            } while (list.present != 0);
         } while (word < words);
     if (quantity != 0) return;
     uint sheet = lane;

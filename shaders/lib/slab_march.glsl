@@ -23,9 +23,9 @@ float beforeFirst(vec4 first) {
     return parabola + cubic * (sum * sum) / max(sum * sum + 64 * cubic * cubic, 1e-37);
 }
 
-// A slab with less optical depth is taken as empty. It is a part of what proxies may leave out on a ray, so that 512
-// slabs leave out a thousandth of that.
-const float kLeastSlab = 2e-6;
+// A slab with less optical depth is taken as empty, as a part of what one particle may leave out. 512 slabs leave out
+// half of that.
+const float kLeastSlab = 1e-3;
 
 // The medium's quantities at the middle of slab s, in the channels that are drawn.
 vec4 drawnMedium(uint s) { return tick.extinction * mediumAt(s); }
@@ -61,7 +61,7 @@ void march() {
     slabs = kHasFog ? uvec2(0, last_face) : min(slabs, uvec2(last_face));
     if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     if (kHasFog) startFog(kHasOpaque ? surfaceDepth(at) : kEndless);
-    const float least = kLeastSlab * tick.cut * float(tick.particle_count);
+    const float least = kLeastSlab * tick.cut;
     bool known = false; // True: the light depth at the slab's own faces is known
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;

@@ -18,8 +18,6 @@ void meetLanes() {
 }
 
 uint ballot(bool value) { return subgroupBallot(value).x; }
-// Lanes before this one whose bit is set.
-uint lanesBefore(uint bits) { return bitCount(bits & ((1u << gl_SubgroupInvocationID) - 1)); }
 
 const uint kNoLine = 0xffffffffu;
 // The lines whose common particles are asked for.

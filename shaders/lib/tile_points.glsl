@@ -2,6 +2,7 @@
 // then a product of two recurrences, and adding a particle to 64 points costs little more than 64 multiply-adds. They
 // begin in the middle of the tile. A workgroup is one subgroup.
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 
 const uint kPoints = kSlabTile * kSlabTile, kMiddle = kSlabTile / 2;
 
@@ -19,9 +20,9 @@ Held heldMember(SlabMember m, uint quantity) {
 
 // The member that lane `j` of the subgroup holds.
 Held ofLane(Held mine, uint j) {
-    return Held(vec3(subgroupBroadcast(mine.centre.x, j), subgroupBroadcast(mine.centre.y, j),
-                     subgroupBroadcast(mine.centre.z, j)),
-                subgroupBroadcast(mine.across, j), subgroupBroadcast(mine.along, j), subgroupBroadcast(mine.sigma, j));
+    return Held(vec3(subgroupShuffle(mine.centre.x, j), subgroupShuffle(mine.centre.y, j),
+                     subgroupShuffle(mine.centre.z, j)),
+                subgroupShuffle(mine.across, j), subgroupShuffle(mine.along, j), subgroupShuffle(mine.sigma, j));
 }
 
 // Values along one axis: of the middle point, factors to the next and to the one before it, and the ratio of one factor
@@ -68,7 +69,7 @@ void addRow(inout float sum[kPoints], uint y, float one, Splat a, float two, Spl
 }
 
 // Adds the first `end` members of the subgroup to the points, two at a time, and at least the first two. They are not
-// small (isSmallMember).
+// small (kSmallMember).
 void addMembers(inout float sum[kPoints], Held mine, uint end, vec3 at, float spacing) {
     uint j = 0;
     do {

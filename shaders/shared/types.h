@@ -215,8 +215,8 @@ const uint kMeshOrders = 8u;
 
 // A particle in cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {
-    vec4 at; // centre in columns, rows and planes, 0: centre of the first texel; half its optical depth
-    vec3 k;  // 1 / (sqrt(2) standard deviations) along columns, rows and planes
+    vec4 at;    // centre in columns, rows and planes, 0: centre of the first texel; half its optical depth
+    vec3 k;     // 1 / (sqrt(2) standard deviations) along columns, rows and planes
     uint reach; // its first group of planes, and 65,536 times its last one; first > last: none
 };
 
@@ -230,11 +230,11 @@ struct SlabMember {
     vec3 albedo;
     uint reach; // its first sheet of slabs, and 65,536 times its last one; first > last: none. kSmallMember
 };
-// Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile (isSmallMember()).
+// Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile, and is added without recurrences.
 const uint kSmallMember = 0x8000u;
 
-const uint kMostListed = 1024u; // members of a tile that are listed together
-const uint kMostTogether = 32u; // sheets of a tile that a workgroup fills
+const uint kMostListed = 1024u;        // members of a tile that are listed together
+const uint kMostTogether = 32u;        // sheets of a tile that a workgroup fills
 const uint kSlabTile = 8u;             // rays along a side of a tile
 const float kLogFogGrowth = 0.2630344; // log2(1.2): each slab before and behind the particles is a fifth thicker
 

@@ -8,7 +8,7 @@
 namespace brume::methods::slabs {
 namespace {
 
-constexpr CostInfo kBin{"slab_bin", "bin", 10};     // particles x lines of tiles and sheets
+constexpr CostInfo kBin{"slab_bin", "bin", 10};     // particles x lines of tiles
 constexpr CostInfo kSlabs{"slabs", "slabs", 0.085}; // particles x samples of the tiles and sheets that they reach
 constexpr CostInfo kLight{"slab_light", "slab light", 8.9}; // rays x slabs
 constexpr const CostInfo* kCosts[] = {&kBin,          &kSlabs,         &kLight, &costs::kRayEnds, &costs::kComposeField,
@@ -49,7 +49,7 @@ public:
                        cellsTouched(s.near - view.near(), s.far - view.near(), sheet, sheets);
         constexpr double kSamples = double(gpu::kSlabTile) * gpu::kSlabTile * gpu::kSlabTile;
         const double once = 1.0 / scene.hues; // Bins and slabs run once, other passes once for each hue.
-        work[kBin] = once * scene.particles * (tiles_x + tiles_y + sheets);
+        work[kBin] = once * scene.particles * (tiles_x + tiles_y);
         work[kSlabs] =
             once * quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
         work[kLight] = rays.x * rays.y * settings.slabs * facesKept(view);
