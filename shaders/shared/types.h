@@ -230,7 +230,8 @@ struct SlabMember {
     vec3 albedo;
     uint reach; // its first sheet of slabs, and 65,536 times its last one; first > last: none. kSmallMember
 };
-// Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile, and is added without recurrences.
+// Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile, and is added without
+// recurrences.
 const uint kSmallMember = 0x8000u;
 
 const uint kMostListed = 1024u;        // members of a tile that are listed together

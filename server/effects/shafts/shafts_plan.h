@@ -6,7 +6,7 @@
 namespace brume {
 
 namespace costs {
-inline constexpr CostInfo kShafts{"shafts", "shafts", 11}; // pixels x (1 + ViewWork::shadowsMet())
+inline constexpr CostInfo kShafts{"shafts", "shafts", 9}; // pixels x (1 + ViewWork::shadowsMet())
 } // namespace costs
 
 inline constexpr uint64_t kShaftBytesOfPixel = 3 * sizeof(float);

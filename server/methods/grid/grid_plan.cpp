@@ -13,7 +13,7 @@ namespace {
 
 constexpr CostInfo kBins{"grid_bin", "grid bins", 14}; // particles x lines of bricks
 // Particles x nodes of the bricks that they reach, and nodes x what makes them of coarse ones.
-constexpr CostInfo kNodes{"grid", "grid", 0.1};
+constexpr CostInfo kNodes{"grid", "grid", 0.06};
 // Rays x slabs x (1, or 5 where sampling is cubic; with several albedos 4 times that).
 constexpr CostInfo kRays{"grid_rays", "grid rays", 12};
 constexpr const CostInfo* kCosts[] = {&kBins,         &kNodes,         &kRays, &costs::kRayEnds, &costs::kComposeField,

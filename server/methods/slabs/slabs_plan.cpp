@@ -8,9 +8,9 @@
 namespace brume::methods::slabs {
 namespace {
 
-constexpr CostInfo kBin{"slab_bin", "bin", 10};     // particles x lines of tiles
-constexpr CostInfo kSlabs{"slabs", "slabs", 0.085}; // particles x samples of the tiles and sheets that they reach
-constexpr CostInfo kLight{"slab_light", "slab light", 8.9}; // rays x slabs
+constexpr CostInfo kBin{"slab_bin", "bin", 5};            // particles x lines of tiles
+constexpr CostInfo kSlabs{"slabs", "slabs", 0.066};       // particles x samples of the tiles and sheets that they reach
+constexpr CostInfo kLight{"slab_light", "slab light", 6}; // rays x slabs
 constexpr const CostInfo* kCosts[] = {&kBin,          &kSlabs,         &kLight, &costs::kRayEnds, &costs::kComposeField,
                                       &costs::kShade, &costs::kPresent};
 
