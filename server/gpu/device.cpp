@@ -272,7 +272,6 @@ void Device::createDevice(const DeviceOptions& options) {
     use.mesh.meshShader = VK_TRUE;
     use.v12.scalarBlockLayout = VK_TRUE;
     use.v12.timelineSemaphore = VK_TRUE;
-    use.v12.subgroupBroadcastDynamicId = VK_TRUE;
     use.v12.hostQueryReset = has.v12.hostQueryReset;
     use.v13.dynamicRendering = VK_TRUE;
     use.v13.synchronization2 = VK_TRUE;

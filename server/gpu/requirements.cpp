@@ -44,11 +44,10 @@ std::string missing(VkPhysicalDevice device) {
     if (properties.apiVersion < VK_API_VERSION_1_3) return "Vulkan 1.3"; // the features below are then part of the core
     Features f(false);
     vkGetPhysicalDeviceFeatures2(device, &f.all);
-    if (!f.v12.scalarBlockLayout) return "scalarBlockLayout";                   // structs of shaders/shared
-    if (!f.v12.timelineSemaphore) return "timelineSemaphore";                   // Commands: waiting for a submission
-    if (!f.v12.subgroupBroadcastDynamicId) return "subgroupBroadcastDynamicId"; // lib/tile_members.glsl: slabs, grid
-    if (!f.v13.dynamicRendering) return "dynamicRendering";                     // beginDrawing()
-    if (!f.v13.synchronization2) return "synchronization2"; // barriers, timestamps, Commands::submit()
+    if (!f.v12.scalarBlockLayout) return "scalarBlockLayout"; // structs of shaders/shared
+    if (!f.v12.timelineSemaphore) return "timelineSemaphore"; // Commands: waiting for a submission
+    if (!f.v13.dynamicRendering) return "dynamicRendering";   // beginDrawing()
+    if (!f.v13.synchronization2) return "synchronization2";   // barriers, timestamps, Commands::submit()
     if ((subgroups(device).operations & kSubgroupOperations) != kSubgroupOperations)
         return "subgroup votes, sums, ballots and shuffles";
     if (properties.limits.maxComputeWorkGroupInvocations < 256) return "workgroups of 256 lanes"; // sort_scan.comp
