@@ -38,8 +38,8 @@ shared uint listed[kMostListed]; // members of the brick
 // Cubic B-spline at half-integers from its middle.
 const float kSpline[4] = {4.0 / 6, 23.0 / 48, 1.0 / 6, 1.0 / 48};
 
-// Sums of plane `own` of the brick begin with the coarse particles: a separable B-spline of the 7x7x7 coarse nodes around the brick. Node n of the
-// brick lies at 1 + n / 2 of them, along each axis.
+// Sums of plane `own` of the brick begin with the coarse particles: a separable B-spline of the 7x7x7 coarse nodes
+// around the brick. Node n of the brick lies at 1 + n / 2 of them, along each axis.
 void addCoarse(inout float sum[kPoints], uvec3 brick, uint own, uint quantity) {
     const uvec3 size = coarseBricks() * kSlabTile;
     const uint plane = size.y * size.x / 4;
@@ -81,7 +81,8 @@ void addCoarse(inout float sum[kPoints], uvec3 brick, uint own, uint quantity) {
 
 void main() {
     const uvec3 bricks = kCoarse ? coarseBricks() : push.medium.bricks;
-    const uint plane = gl_WorkGroupID.z * kLanes + gl_SubgroupInvocationID, // of all bricks and quantities
+    // The lane's plane is numbered through all bricks and quantities.
+    const uint plane = gl_WorkGroupID.z * kLanes + gl_SubgroupInvocationID,
         all_planes = bricks.z * kSlabTile, quantity = plane / all_planes;
     const uvec3 first = uvec3(gl_WorkGroupID.xy * kSlabTile, plane % all_planes), brick = first / kSlabTile;
     if ((marks[markWord(kCoarse ? kReadCoarse : kRead, brick)] >> (brick.x % 32) & 1) == 0) return;

@@ -5,8 +5,8 @@
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // Local light depth, once a tick: the optical depth of the particles from a point or a spot to some distances in many
-// directions (LocalLight::volume). A lane is a direction. A workgroup has 8x8 neighbouring ones. The lanes of a subgroup
-// load and test a particle each, and then add those that some direction of the workgroup meets.
+// directions (LocalLight::volume). A lane is a direction. A workgroup has 8x8 neighbouring ones. The lanes of a
+// subgroup load and test a particle each, and then add those that some direction of the workgroup meets.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
@@ -75,7 +75,8 @@ void main() {
                     const float start = k * (light.volume_near - middle_at);
                     float before = erf(start + float(s) * step);
                     if (s < last) do { // two distances at a time, which do not wait for each other
-                            const float here = erf(start + float(s + 1) * step), next = erf(start + float(s + 2) * step);
+                            const float here = erf(start + float(s + 1) * step),
+                                        next = erf(start + float(s + 2) * step);
                             added[s + 1] += half_line * (here - before);
                             if (s + 2 <= last) added[s + 2] += half_line * (next - here);
                             before = next;

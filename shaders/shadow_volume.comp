@@ -4,9 +4,9 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 // Volumetric shadow map, second pass: the light's optical depth at every texel of every plane. For parallel light,
 // tau_L(x) = [sigma sqrt(pi)/(2k) erfc(k s)] exp(-k^2 b^2) is a product of one factor per axis. One workgroup, which is
-// one subgroup, per tile; a lane is a column of texels. Each lane takes a particle and computes its factors for rows and
-// planes. Then every lane adds all these particles to its own column. Planes are summed from the light on, so that a
-// particle costs time only at planes where its depth changes.
+// one subgroup, per tile; a lane is a column of texels. Each lane takes a particle and computes its factors for rows
+// and planes. Then every lane adds all these particles to its own column. Planes are summed from the light on, so that
+// a particle costs time only at planes where its depth changes.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/erf.h"

@@ -135,8 +135,8 @@ void sunOn(vec2 range, vec3 dir, FieldRun run, float part, out float light[kMost
     } while (++n < kSunColours + (kHasFog ? 3 : 0));
 }
 
-// The part of the light of a pixel's ray up to view depth `end` that objects do not shadow. Called by all lanes; those
-// that are not `wanted` get nothing.
+// The part of the light of a pixel's ray up to view depth `end` that objects do not shadow. Called by all lanes.
+// `wanted`: true for lanes whose pixel is asked for; the others get 1.
 vec3 ofPixel(ivec2 pixel, float end, bool wanted, out uint hash) {
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const vec2 medium = wanted ? mediumBefore(end) : vec2(1, 0);

@@ -35,7 +35,8 @@ uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
     from = tile_from + ray;
     apart = tiles * grid.slabs * rays;
     empty = true;
-    uint first = grid.slabs, end = 0; // of all lanes: each asks other sheets
+    // Each lane asks other sheets. The first and the last one with medium are those of all lanes.
+    uint first = grid.slabs, end = 0;
     for (uint s = gl_SubgroupInvocationID * grid.sheet; s < grid.slabs; s += gl_SubgroupSize * grid.sheet)
         if (!isEmpty(s)) {
             first = min(first, s);

@@ -29,7 +29,7 @@ struct DeviceOptions {
     bool validation = false;  // Khronos layer with synchronization checks; messages are logged and counted
     std::string name;         // part of the wanted device's name; empty: a real GPU first, then a CPU driver
     bool mesh_shaders = true; // use mesh shaders if the device has them
-    uint32_t most_lanes = 8;  // of workgroups that are one subgroup (Device::lanesTogether); for tests
+    uint32_t most_lanes = 8;  // bound on Device::lanesTogether(); tests make it smaller
     bool statistics = false;  // count the fragments of every pass if the device can; for measurements
 };
 

@@ -32,7 +32,7 @@ NodeColumn nodeColumn(uint column, float at) {
         const uint node = (first + j) * kNodes + column;
         const vec3 there = node_value[node];
         sum.value += down[j] * there;
-        sum.straight += max(1 - abs(float(first + j) - at), 0) * there; // of the cell's two
+        sum.straight += max(1 - abs(float(first + j) - at), 0) * there; // weights: 0 but for the cell's two nodes
         sum.most = max(sum.most, there);
         sum.inverse += down[j] * node_inverse[node];
     }
@@ -66,7 +66,7 @@ bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 value) {
             column = nodeColumn(first + i, at.y);
         }
         value += across[i] * column.value;
-        straight_across += max(1 - abs(float(first + i) - at.x), 0) * column.value; // of the cell's two
+        straight_across += max(1 - abs(float(first + i) - at.x), 0) * column.value; // as down a column
         straight_down += across[i] * column.straight;
         most = max(most, column.most);
         depth += across[i] * column.inverse;

@@ -1,7 +1,7 @@
 // Lists of a tile's particles (members), and of those in each of its sheets: slabs or planes that are filled together.
 // A workgroup lists the members of its tile once, then chooses those of one sheet after the other. Lists are in the
 // order of the particles, so that a sum does not depend on what else there is. Include after this function is declared:
-//   uint reachOf(uint particle): its first sheet, and 65,536 times its last one; first > last: none. kSmallMember
+//   uint reachOf(uint particle): the particle's reach, as in SlabMember and LightParticle
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_EXT_control_flow_attributes : require
@@ -18,7 +18,9 @@ const uint kWords = kMostListed / kWordMembers;
 shared uint in_sheet[2 * kWords * kMostTogether];
 uint inSheet(uint small, uint word, uint sheet) { return (small * kWords + word) * kMostTogether + sheet; }
 
-const uint kIndexBits = 21, kSheetBits = 5; // of a packed member, whose last bit is set for small ones
+// A packed member: its index, its first and its last sheet; the last bit is set for small ones. Scenes have at most a
+// million particles, kMostTogether is 2^kSheetBits.
+const uint kIndexBits = 21, kSheetBits = 5;
 
 const uint kNoneListed = 1u << kIndexBits; // its first sheet lies behind its last
 uint packed(uint index, uvec2 sheets, bool small) {
@@ -37,8 +39,8 @@ struct TileList {
     bool small;   // True: some are small
 };
 
-// Lists the members from word `word` on that are in the sheets sheets.x ... sheets.y - 1, and numbers these from 0. Ends
-// when another round may not fit, or `word` is behind all.
+// Lists the members from word `word` on that are in the sheets sheets.x ... sheets.y - 1, and numbers these from 0.
+// Ends when another round may not fit, or `word` is behind all.
 TileList listMembers(Lines lines, inout uint word, uvec2 sheets) {
     TileList list = TileList(0, 0, false);
     do {

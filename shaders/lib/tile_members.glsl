@@ -22,10 +22,10 @@ uint ballot(bool value) { return subgroupBallot(value).x; }
 const uint kNoLine = 0xffffffffu;
 // The lines whose common particles are asked for.
 struct Lines {
-    uint from;                // index of the bits of line 0
-    uint column, row, sheet;  // numbers of the lines; kNoLine: any
-    uint all;                 // number of lines that there are
-    uint words;               // of a line
+    uint from;               // index of the bits of line 0
+    uint column, row, sheet; // numbers of the lines; kNoLine: any
+    uint all;                // number of lines that there are
+    uint words;              // number of words that a line has
 };
 
 uint pagesOf(Lines lines, uint line, uint part) {
@@ -35,8 +35,8 @@ uint bitsOf(Lines lines, uint line, uint word) {
     return line == kNoLine ? 0xffffffffu : bins[lines.from + line * lines.words + word];
 }
 
-// Bits of the particles of a lane's word that are on all lines: of word `word` in the first lane, and so on. `word` is a
-// multiple of kLanes. It is moved on to the next page with members, or behind all words.
+// Bits of the particles of a lane's word that are on all lines: of word `word` in the first lane, and so on. `word` is
+// a multiple of kLanes. It is moved on to the next page with members, or behind all words.
 uint nextBits(Lines lines, inout uint word) {
     if (word % kPage == 0) {
         const uint page = word / kPage, part = page / 32;

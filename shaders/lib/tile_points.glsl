@@ -1,6 +1,6 @@
-// Adds particles (members) to the 8x8 points of a tile on a lane's plane. These points are equally spaced. A Gaussian is
-// then a product of two recurrences, and adding a particle to 64 points costs little more than 64 multiply-adds. They
-// begin in the middle of the tile. A workgroup is one subgroup.
+// Adds particles (members) to the 8x8 points of a tile on a lane's plane. These points are equally spaced. A Gaussian
+// is then a product of two recurrences, and adding a particle to 64 points costs little more than 64 multiply-adds.
+// The recurrences begin in the middle of the tile. A workgroup is one subgroup.
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
@@ -31,8 +31,9 @@ struct Steps {
     float middle, next, last, ratio;
 };
 
-// Of exp2(-across (d + i spacing)^2) exp2(more). `ratio`: exp2(-2 across spacing^2). A member may be far from a tile on
-// planes that it does not reach. Its values are 0 there, and factors that are infinite would make them NaN.
+// Steps of exp2(-across (d + i spacing)^2) exp2(more), i counted from the middle point. `ratio`: exp2(-2 across
+// spacing^2). A member may be far from a tile on planes that it does not reach. Its values are 0 there, and factors
+// that are infinite would make them NaN.
 Steps stepsOf(float across, float d, float spacing, float ratio, float more) {
     const float next = exp2(clamp(-across * spacing * (2 * d + spacing), -100, 100));
     return Steps(exp2(more - across * d * d), next, ratio / next, ratio);
@@ -73,7 +74,7 @@ void addRow(inout float sum[kPoints], uint y, float one, Splat a, float two, Spl
 void addMembers(inout float sum[kPoints], Held mine, uint end, vec3 at, float spacing) {
     uint j = 0;
     do {
-        const Splat a = splat(ofLane(mine, j), at, spacing), 
+        const Splat a = splat(ofLane(mine, j), at, spacing),
                     b = splat(kLanes > 1 ? ofLane(mine, j + 1) : kNoMember, at, spacing);
         Steps one = a.rows, two = b.rows;
         float up_one = one.middle, up_two = two.middle, down_one = up_one, down_two = up_two;

@@ -1,7 +1,6 @@
 #include "server/effects/shadow_volume/shadow_volume.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "server/inputs/line_bins.h"
 #include "shaders/shadow_particles_comp.h"

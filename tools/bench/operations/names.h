@@ -24,9 +24,9 @@ const uint kSubgroupIndex = 24u;                              // shared memory b
 const uint kLocalIndexAfter = 25u, kSubgroupIndexAfter = 26u; // the same, with a barrier before
 const uint kBarrier = 27u, kSubgroupBarrier = 28u, kMemoryBarrier = 29u;
 const uint kTaken = 30u, kSkipped = 31u;   // 16 exp2 in an `if`: of all lanes, of none
+const uint kSkippedByLane = 37u;           // as kSkipped, where each lane computes the condition
 const uint kFor = 32u, kDo = 33u;          // an inner loop of two rounds, 16 exp2 each: `for`, `do ... while`
 const uint kDiverging = 34u;               // the same as kDo with one to four rounds, by lane
-const uint kSkippedByLane = 37u;           // as kSkipped, where the condition differs by lane
 const uint kSums = 35u, kSumsChosen = 36u; // 16 sums, all added to; one, by a variable index
 
 #ifdef __cplusplus
