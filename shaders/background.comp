@@ -12,11 +12,13 @@ layout(rgba32f) writeonly uniform image2D radiance;
 layout(r32f) writeonly uniform image2D view_depth;
 
 #include "shaders/lib/background.glsl"
+#include "shaders/lib/spread.glsl"
 
 void main() {
-    if (any(greaterThanEqual(gl_GlobalInvocationID.xy, eye.size))) return;
+    const uvec2 at = spreadInvocation().xy;
+    if (any(greaterThanEqual(at, eye.size))) return;
     float depth;
-    const vec3 colour = background(vec2(gl_GlobalInvocationID.xy) + 0.5, depth);
-    imageStore(radiance, ivec2(gl_GlobalInvocationID.xy), vec4(colour, 1));
-    imageStore(view_depth, ivec2(gl_GlobalInvocationID.xy), vec4(depth));
+    const vec3 colour = background(vec2(at) + 0.5, depth);
+    imageStore(radiance, ivec2(at), vec4(colour, 1));
+    imageStore(view_depth, ivec2(at), vec4(depth));
 }

@@ -38,6 +38,7 @@ layout(scalar) readonly buffer LitByLocalLights { vec3 lit[]; }; // written by l
 #include "shaders/lib/planes.glsl"
 #include "shaders/lib/medium_run.glsl"
 #include "shaders/lib/medium_cut.glsl"
+#include "shaders/lib/spread.glsl"
 
 // Displayed colour of a pixel, of a run that is `clear` of medium or not. Beyond the right edge it is `before`, the
 // colour of the previous pixel.
@@ -81,7 +82,8 @@ uint lumaByte(vec3 rgb, uint n) { return byteOf(dot(rgb, kLuma), n); }
 void main() {
     enterView(0);
     const View view = views[0];
-    const uint block_x = gl_GlobalInvocationID.x * kBlocks, top = view.first + gl_GlobalInvocationID.y * 2;
+    const uvec2 own = spreadInvocation().xy;
+    const uint block_x = own.x * kBlocks, top = view.first + own.y * 2;
     if (block_x * 8 >= eye.size.x || top >= view.end) return;
     const uint blocks = min(kBlocks, (eye.size.x + 7) / 8 - block_x);
     const bool odd = top + 1 == eye.size.y; // the last row counts twice

@@ -57,6 +57,7 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/slice_light.glsl"
 #include "shaders/lib/shadow_grid.glsl"
 #include "shaders/lib/shadow_frustum.glsl"
+#include "shaders/lib/spread.glsl"
 
 float particlesIn(float near, float far, out vec3 scattering) { return particlesAtSample(near, far, scattering); }
 
@@ -129,16 +130,16 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
         scattered = now.rgb * metres;
         depth = now.a * metres;
     }
-    cells[history.own + cellAt(push.froxels, uvec3(gl_GlobalInvocationID.xy, ray_slice))] = now;
+    cells[history.own + cellAt(push.froxels, uvec3(own_ray, ray_slice))] = now;
 }
 
 void main() {
-    const uvec2 ray = gl_GlobalInvocationID.xy;
+    const uvec2 ray = spreadInvocation().xy;
     if (push.jitter != 0) { // a number for each ray and tick
         const vec2 at = vec2(ray) + 5.588238 * float(push.jitter % 64);
         slice_part = interleavedNoise(at.x, at.y);
     }
-    march();
+    march(ray);
     if (!kHistory || any(greaterThanEqual(ray, push.froxels.rays))) return;
     // What lies behind the last slice that was added is not known.
     [[dont_unroll]] for (uint slice = added_slices; slice < push.froxels.slices; ++slice)

@@ -32,6 +32,7 @@ layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 #include "shaders/lib/tile_points.glsl"
 #include "shaders/lib/grid_marks.glsl"
 #include "shaders/lib/spline.glsl"
+#include "shaders/lib/spread.glsl"
 
 shared uint listed[kMostListed]; // members of the brick
 
@@ -82,9 +83,10 @@ void addCoarse(inout float sum[kPoints], uvec3 brick, uint own, uint quantity) {
 void main() {
     const uvec3 bricks = kCoarse ? coarseBricks() : push.medium.bricks;
     // The lane's plane is numbered through all bricks and quantities.
-    const uint plane = gl_WorkGroupID.z * kLanes + gl_SubgroupInvocationID,
+    const uvec3 group = spreadGroup();
+    const uint plane = group.z * kLanes + gl_SubgroupInvocationID,
         all_planes = bricks.z * kSlabTile, quantity = plane / all_planes;
-    const uvec3 first = uvec3(gl_WorkGroupID.xy * kSlabTile, plane % all_planes), brick = first / kSlabTile;
+    const uvec3 first = uvec3(group.xy * kSlabTile, plane % all_planes), brick = first / kSlabTile;
     if ((marks[markWord(kCoarse ? kReadCoarse : kRead, brick)] >> (brick.x % 32) & 1) == 0) return;
     const uint lane = gl_SubgroupInvocationID, words = (tick.particle_count + 31) / 32;
     const Lines lines = Lines(kCoarse ? lineWords(push.medium.bricks, words) : 0, brick.x, bricks.x + brick.y,

@@ -35,7 +35,7 @@ vec3 eye_at, ray_dir; // in nodes
 const vec3 kFirst = vec3(1);
 vec3 beyondLast() { return vec3(push.medium.bricks * kSlabTile - 2); }
 
-uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
+uvec2 startRay(uvec3 tile, uint ray, vec2 pixel) {
     eye_at = (eye.position - push.medium.origin) / push.medium.spacing;
     ray_dir = (eye.ray + pixel.x * eye.ray_right + pixel.y * eye.ray_down) / push.medium.spacing;
     const vec3 inverse = 1 / mix(ray_dir, vec3(1e-12), lessThan(abs(ray_dir), vec3(1e-12)));

@@ -34,9 +34,10 @@ Eye eye; // what is included names it; nothing here reads it
 #include "shaders/lib/occluded.glsl"
 #include "shaders/lib/near_lights.glsl"
 #include "shaders/lib/sun_at_node.glsl"
+#include "shaders/lib/spread.glsl"
 
 void main() {
-    const uvec3 brick = gl_WorkGroupID;
+    const uvec3 brick = spreadGroup();
     const bool known =
         push.lit.particles == 0 || (marks[markWord(kRead, brick)] >> (brick.x % 32) & 1) != 0;
     if (!known) return; // nothing reads it

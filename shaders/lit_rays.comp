@@ -45,6 +45,7 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/near_lights.glsl"
 #include "shaders/lib/froxel_march.glsl"
 #include "shaders/lib/froxel_light.glsl"
+#include "shaders/lib/spread.glsl"
 
 float particlesIn(float near, float far, out vec3 scattering) { return particlesAtSample(near, far, scattering); }
 
@@ -162,9 +163,10 @@ void addSlice(float near, float far, inout vec3 scattered, out float depth) {
 }
 
 void main() {
-    const vec2 at = pixelOfRay(gl_GlobalInvocationID.xy);
+    const uvec2 ray = spreadInvocation().xy;
+    const vec2 at = pixelOfRay(ray);
     ray_pixel = min(uvec2(at), eye.size - 1);
     ray_unit = normalize(rayDirection(at));
     if (kHasLocalLights) findNear();
-    march();
+    march(ray);
 }

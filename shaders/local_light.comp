@@ -35,6 +35,7 @@ layout(scalar) readonly buffer Field { float field[]; }; // shared/field.h
 
 const float kStraight = 0.02; // of the light
 #include "shaders/lib/pixel_nodes.glsl"
+#include "shaders/lib/spread.glsl"
 
 shared uint has_core; // 1: near_light of some node
 
@@ -42,7 +43,7 @@ void main() {
     enterView(0);
     // gl_LocalInvocationIndex would be divided out anew behind each barrier.
     const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
-    const uvec2 tile = gl_WorkGroupID.xy * kPixelTile + uvec2(0, views[0].first);
+    const uvec2 tile = spreadGroup().xy * kPixelTile + uvec2(0, views[0].first);
     const uvec2 end = uvec2(eye.size.x, views[0].end);
     const bool coarse = kStep > 1 && all(lessThan(tile + kPixelTile, end)); // True: all nodes are in the picture
     if (lane == 0) has_core = 0;

@@ -20,18 +20,20 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar) writeonly buffer LightDepths { float light_depths[]; }; // of each volume [y][x][shell]
 
 #include "shaders/lib/light_directions.glsl"
+#include "shaders/lib/spread.glsl"
 
 const float kEnd = 3.5; // of a Gaussian, in units of 1 / k: 4e-7 of its depth lie beyond
 
 void main() {
-    const LocalLight light = local_lights[gl_WorkGroupID.z];
-    if (light.volume == kNoVolume || any(greaterThanEqual(8 * gl_WorkGroupID.xy, uvec2(light.volume_side)))) return;
+    const uvec3 group = spreadGroup();
+    const LocalLight light = local_lights[group.z];
+    if (light.volume == kNoVolume || any(greaterThanEqual(8 * group.xy, uvec2(light.volume_side)))) return;
     const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
-    const uvec2 node = 8 * gl_WorkGroupID.xy + uvec2(lane % 8, lane / 8);
+    const uvec2 node = 8 * group.xy + uvec2(lane % 8, lane / 8);
     const float to_square = 2 / float(light.volume_side - 1);
     const vec3 w = fromLightSquare(light, vec2(node) * to_square - 1);
     // The cone of the workgroup's directions. They do not cross the octahedron's edges where it is folded.
-    const vec2 first = vec2(gl_WorkGroupID.xy * 8) * to_square - 1;
+    const vec2 first = vec2(group.xy * 8) * to_square - 1;
     const vec3 middle = fromLightSquare(light, first + 3.5 * to_square);
     float cosine = 1;
     for (uint i = 0; i < 4; ++i)

@@ -48,6 +48,7 @@ bool hasParticles() { return push.band.particles != 0; }
 #include "shaders/lib/froxel_light.glsl"
 #include "shaders/lib/slice_light.glsl"
 #include "shaders/lib/fog_behind.glsl"
+#include "shaders/lib/spread.glsl"
 
 const float kNothingSeen = 30; // optical depth behind which nothing is seen
 const float kGolden = 0.6180339887498949;
@@ -178,7 +179,7 @@ void march(float begin, float end, float offset) {
 }
 
 void main() {
-    const uvec2 at = gl_GlobalInvocationID.xy;
+    const uvec2 at = spreadInvocation().xy;
     if (any(greaterThanEqual(at, push.band.size))) return;
     const uvec2 pixel = marchedPixel(at);
     aimRay(vec2(pixel) + 0.5);

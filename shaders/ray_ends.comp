@@ -26,6 +26,7 @@ layout(scalar) buffer Field { float field[]; };
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/casters_met.glsl"
 #include "shaders/lib/has_meshes.glsl"
+#include "shaders/lib/spread.glsl"
 
 // Cells before and behind a node whose pixels read it (lib/slab_field.glsl).
 const int kCellsBefore = 2, kCellsBehind = 2;
@@ -94,8 +95,9 @@ bool findCasters(uvec2 tile, ivec2 lo, ivec2 hi, float far) {
 }
 
 void main() {
-    enterView(gl_WorkGroupID.z);
-    const uvec2 tile = gl_WorkGroupID.xy;
+    const uvec3 group = spreadGroup();
+    enterView(group.z);
+    const uvec2 tile = group.xy;
     if (any(greaterThanEqual(tile, grid.lines.xy))) return; // true for the whole workgroup
     const ivec2 first = ivec2(tile * kSlabTile) + ivec2(0, grid.first_row) - int(grid.margin);
     const ivec2 last_pixel = ivec2(eye.size) - 1;

@@ -29,11 +29,13 @@ layout(scalar) readonly buffer Field { float field[]; };   // shared/field.h
 #define BRUME_WRITES_SHADED
 #include "shaders/lib/shaded.glsl"
 #include "shaders/lib/medium_run.glsl"
+#include "shaders/lib/spread.glsl"
 
 void main() {
-    enterView(gl_WorkGroupID.z);
-    const View view = views[gl_WorkGroupID.z];
-    const uvec2 node = gl_GlobalInvocationID.xy, nodes = shadedNodes(view.end - view.first);
+    const uvec3 own = spreadInvocation();
+    enterView(own.z);
+    const View view = views[own.z];
+    const uvec2 node = own.xy, nodes = shadedNodes(view.end - view.first);
     if (any(greaterThanEqual(node, nodes))) return;
     const ivec2 pixel = (ivec2(node) - 1) * int(kStep) + ivec2(0, view.first);
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);

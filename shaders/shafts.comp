@@ -40,6 +40,7 @@ layout(scalar) readonly buffer MeshPyramid { vec2 mesh_pyramid[]; };
 
 const float kStraight = 0.005; // of a part of the light
 #include "shaders/lib/pixel_nodes.glsl"
+#include "shaders/lib/spread.glsl"
 
 shared uint met[kMostBodies / 32]; // bits of the objects whose shadows the tile may meet
 shared uint furthest;              // bits of its largest view depth
@@ -183,7 +184,7 @@ void main() {
     enterView(0);
     const uint lane = laneOfTile();
     const uvec2 local = uvec2(lane % 8, lane / 8);
-    const uvec2 tile = gl_WorkGroupID.xy * kPixelTile + uvec2(0, views[0].first / kPixelTile * kPixelTile);
+    const uvec2 tile = spreadGroup().xy * kPixelTile + uvec2(0, views[0].first / kPixelTile * kPixelTile);
     const uvec2 first = max(tile, uvec2(0, views[0].first)), end = uvec2(eye.size.x, views[0].end);
     const uvec2 last = min(tile + kPixelTile, end) - 1;
     const bool clear = isClearTile(first, last);

@@ -29,9 +29,9 @@ bool empty;       // True: the sheet has no members
 // True if no particle reaches the sheet of slab `s`.
 bool isEmpty(uint s) { return added[tile_from + s * gl_WorkGroupSize.x] < 0; }
 
-uvec2 startRay(uvec2 tile, uint ray, vec2 pixel) {
+uvec2 startRay(uvec3 tile, uint ray, vec2 pixel) {
     const uint tiles = grid.lines.x * grid.lines.y, rays = gl_WorkGroupSize.x;
-    tile_from = views[gl_WorkGroupID.z].added * 4 + (tile.y * grid.lines.x + tile.x) * grid.slabs * rays;
+    tile_from = views[tile.z].added * 4 + (tile.y * grid.lines.x + tile.x) * grid.slabs * rays;
     from = tile_from + ray;
     apart = tiles * grid.slabs * rays;
     empty = true;

@@ -52,11 +52,12 @@ uint sheetsRead(uvec2 tile, uint first, uint end) {
 }
 
 void main() {
-    const uvec2 spread = spreadRows(), tile = uvec2(gl_WorkGroupID.x, spread.x);
-    const uint view = spread.y / (push.parts * push.quantities);
-    const uint quantity = spread.y / push.parts % push.quantities;
+    const uvec3 group = spreadGroup();
+    const uvec2 tile = group.xy;
+    const uint view = group.z / (push.parts * push.quantities);
+    const uint quantity = group.z / push.parts % push.quantities;
     enterView(view);
-    const uint first_sheet = spread.y % push.parts * push.together,
+    const uint first_sheet = group.z % push.parts * push.together,
                end_sheet = min(first_sheet + push.together, grid.lines.z);
     if (any(greaterThanEqual(uvec3(tile, first_sheet), grid.lines))) return; // true for the whole workgroup
     const uint lane = gl_SubgroupInvocationID;

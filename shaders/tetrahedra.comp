@@ -39,6 +39,7 @@ layout(push_constant, scalar) uniform Push {
 #include "shaders/lib/multiple.glsl"
 #include "shaders/lib/tetrahedra.glsl"
 #include "shaders/lib/tetrahedra_light.glsl"
+#include "shaders/lib/spread.glsl"
 
 const float kLeastSeen = 1e-5; // transmittance from which on nothing is seen
 // A part of a tetrahedron in which light is looked up kNodes times: its optical depth, and its length over the diagonal
@@ -156,7 +157,7 @@ void addInterval(inout Seen seen, Line line, MapLine map, uint cell, Part whole)
 }
 
 void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 pixel = ivec2(spreadInvocation().xy);
     if (any(greaterThanEqual(pixel, ivec2(eye.size)))) return;
     const float surface = kHasOpaque ? texelFetch(view_depth, pixel, 0).r : kEndless;
     if (surface == 0) return; // the pixel is finished (drawn_cells.comp)

@@ -40,6 +40,7 @@ layout(constant_id = kIdPixelsPerLane) const uint kPixels = 16;
 #include "shaders/lib/splat_run.glsl"
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/frustum.glsl"
+#include "shaders/lib/spread.glsl"
 
 const uint kAny = 1, kCutNear = 2, kCutFar = 4, kLookedUp = 8; // what this tile needs to add a splat
 
@@ -79,7 +80,7 @@ uint take(inout Candidates from, uint block, uint lane, uint lanes, out uint spl
 vec2 onRun(float value, float right, float down) { return vec2(value + first.x * right + first.y * down, right); }
 
 void main() {
-    const uvec2 corner = gl_WorkGroupID.xy * kTile;
+    const uvec2 corner = spreadGroup().xy * kTile;
     const uint lanes_across = kTile.x / kPixels;
     const uvec2 pixel =
         corner + uvec2(gl_LocalInvocationIndex % lanes_across * kPixels, gl_LocalInvocationIndex / lanes_across);

@@ -8,6 +8,7 @@
 #include "shaders/lib/march_ray.glsl"
 #include "shaders/shared/transmittance.h"
 
+uvec2 own_ray;         // the lane's ray, numbered across and down
 uint added_slices = 0; // so many slices of the ray were added
 
 bool hasParticles() { return push.froxels.particles != 0; }
@@ -28,8 +29,8 @@ float furthestAround(vec2 at) {
     return most;
 }
 
-void march() {
-    const uvec2 ray = gl_GlobalInvocationID.xy;
+void march(uvec2 ray) {
+    own_ray = ray;
     if (any(greaterThanEqual(ray, push.froxels.rays))) return;
     const vec2 at = pixelOfRay(ray);
     aimRay(at);

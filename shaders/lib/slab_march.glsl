@@ -3,8 +3,8 @@
 // fog adds its own light (lib/fog_march.glsl). Shadows of opaque objects are left to the pixels, since they are not
 // band-limited. Include after lib/view.glsl, `field`,
 // lib/field_planes.glsl, and these functions:
-//   uvec2 startRay(uvec2 tile, uint ray, vec2 pixel): the ray's slabs s with .x <= s < .y, all that have medium and
-//     those beside them
+//   uvec2 startRay(uvec3 tile, uint ray, vec2 pixel): the ray's slabs s with .x <= s < .y, all that have medium and
+//     those beside them; the tile's number across, down, and that of its view
 //   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order,
 //     and slab 3 with slab 2, too
 #include "shaders/blocks/tick.glsl"
@@ -14,6 +14,7 @@
 #include "shaders/lib/fog_march.glsl"
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/lib/multiple.glsl"
+#include "shaders/lib/spread.glsl"
 
 // The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
 // cubic's term is large. The near plane cuts particles anywhere, and the first slab has no neighbour in front.
@@ -37,10 +38,12 @@ void writeFaces(uint first, uint last, uint node, float sum[kMostFieldQuantities
 }
 
 void march() {
-    enterView(gl_WorkGroupID.z);
-    if (any(greaterThanEqual(gl_WorkGroupID.xy, grid.lines.xy))) return;
+    const uvec3 group = spreadGroup();
+    const uvec2 tile = group.xy;
+    enterView(group.z);
+    if (any(greaterThanEqual(tile, grid.lines.xy))) return;
     const uint ray = gl_LocalInvocationIndex;
-    const uvec2 node = gl_WorkGroupID.xy * kSlabTile + uvec2(ray % kSlabTile, ray / kSlabTile);
+    const uvec2 node = tile * kSlabTile + uvec2(ray % kSlabTile, ray / kSlabTile);
     const uint mine = node.y * grid.nodes.x + node.x, quantities = fieldQuantities();
     const bool inside = all(lessThan(node, grid.nodes));
     const vec2 at = (vec2(node) + vec2(0, grid.first_row) - float(grid.margin)) * float(grid.rate) + 0.5;
@@ -53,11 +56,11 @@ void march() {
     for (uint q = 0; q < quantities; ++q) sum[q] = 0;
     uint first_face = 1, last_face = lastFace(); // those that are written; the march ends at the last
     if (kHasOpaque) {
-        const uint kept = fieldKept(gl_WorkGroupID.xy);
+        const uint kept = fieldKept(tile);
         first_face = uint(field[kept]);
         last_face = uint(field[kept + 1]);
     }
-    uvec2 slabs = startRay(gl_WorkGroupID.xy, ray, at);
+    uvec2 slabs = startRay(group, ray, at);
     slabs = kHasFog ? uvec2(0, last_face) : min(slabs, uvec2(last_face));
     if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     if (kHasFog) startFog(kHasOpaque ? surfaceDepth(at) : kEndless);
@@ -147,7 +150,7 @@ void march() {
     if (!inside) return;
     if (kHasOpaque) { // up to what the ray hits
         writeFaces(max(first_face, slabs.y + 1), max(last_face, 2), mine, sum); // the first three are always read
-        if (seen > 0) field[fieldKept(gl_WorkGroupID.xy) + 2] = 1;
+        if (seen > 0) field[fieldKept(tile) + 2] = 1;
         const float end = clamp(faceAt(surfaceDepth(at)), 0, float(lastFace()));
         const float face = min(floor(end), float(lastFace() - 1));
         for (uint q = 0; q < quantities; ++q) {
