@@ -95,10 +95,11 @@ void main() {
     if (!kDrawn && !kHasOpaque && kRate % 2 == 0) { // both rows together: they share their look-ups
         MediumRun run, next;
         MediumCut none;
+        int cell = kNoCell;
         vec3 above = vec3(0), below = vec3(0);
         [[unroll]] for (uint i = 0; i < 8; ++i) {
             const uvec2 at = uvec2(block_x * 8 + i, top);
-            if (i % kRun == 0) mediumRuns(ivec2(at), run, next);
+            if (i % kRun == 0) moveRuns(ivec2(at), cell, run, next);
             above = pixelOf(false, run, none, at, above);
             below = pixelOf(false, next, none, at + uvec2(0, 1), below);
             luma[i / 4] |= lumaByte(above, i);
@@ -116,30 +117,31 @@ void main() {
                 chroma[i / 2] += rgb;
             }
     } else { // a loop, since the code is too large to exist twice
-        for (uint row = 0; row < 2; ++row) {
-            if (row == 1 && odd) {
-                for (uint pair = 0; pair < 4 * kBlocks; ++pair) chroma[pair] *= 2;
-                break;
-            }
-            MediumRun run;
-            MediumCut cut;
-            bool clear; // True: there is no medium in the run
-            vec3 rgb = vec3(0);
-            for (uint i = 0; i < 8 * blocks; ++i) {
-                const uvec2 at = uvec2(block_x * 8 + i, top + row);
-                if (i % kRunOfBlocks == 0) {
-                    clear = kHasOpaque && !kHasFog && isClear(ivec2(at));
-                    if (!clear) {
-                        run = mediumRun(ivec2(at));
-                        cut = mediumCut(run, ivec2(at));
-                    }
+        MediumRun run, next;
+        int cell = kNoCell;
+        vec3 above = vec3(0), below = vec3(0);
+        for (uint first = 0; first < 8 * blocks; first += kRunOfBlocks) {
+            const uvec2 left = uvec2(block_x * 8 + first, top);
+            const bool clear = kHasOpaque && !kHasFog && areClear(ivec2(left)); // True: there is no medium in the runs
+            if (clear) cell = kNoCell;
+            else moveRuns(ivec2(left), cell, run, next);
+            for (uint row = 0; row < (odd ? 1 : 2); ++row) {
+                MediumRun own = next;
+                if (row == 0) own = run;
+                MediumCut cut = mediumCut();
+                vec3 rgb = row == 0 ? above : below;
+                for (uint i = first; i < min(first + kRunOfBlocks, 8 * blocks); ++i) {
+                    rgb = pixelOf(clear, own, cut, uvec2(block_x * 8 + i, top + row), rgb);
+                    luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
+                    if (kFull) keepFull(rgb, row, i);
+                    chroma[i / 2] += rgb;
                 }
-                rgb = pixelOf(clear, run, cut, at, rgb);
-                luma[row * kMostWords + i / 4] |= lumaByte(rgb, i);
-                if (kFull) keepFull(rgb, row, i);
-                chroma[i / 2] += rgb;
+                if (row == 0) above = rgb;
+                else below = rgb;
             }
         }
+        if (odd)
+            for (uint pair = 0; pair < 4 * kBlocks; ++pair) chroma[pair] *= 2;
     }
     if (kIsLayer) return;
     for (uint block = 0; block < blocks; ++block) {

@@ -59,7 +59,7 @@ vec4 mediumAt(ivec2 pixel) {
     const float end = kHasFog && kHasOpaque ? texelFetch(view_depth, pixel, 0).r : kEndless;
     wholeRay(run, across, dir, end, ray);
     if (kHasOpaque) {
-        MediumCut cut = mediumCut(run, pixel);
+        MediumCut cut = mediumCut();
         cutRay(cut, run, pixel, dir, across, ray);
     }
     for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;

@@ -40,7 +40,7 @@ float betweenFaces(vec4 values, float at, uint face) {
     return values.y + added.y * (isFogAlone(face) ? at : addedBefore(added.x, added.y, added.z, at));
 }
 
-// True if no ray of the nodes `lo` ... `hi` has medium. At most 8 nodes each way; hi may lie beyond the last.
+// True if no ray of the nodes `lo` ... `hi` has medium. At most 9 nodes each way; hi may lie beyond the last.
 bool isClear(uvec2 lo, uvec2 hi) {
     const uvec2 a = lo / kSlabTile, b = min(hi / kSlabTile, grid.lines.xy - 1);
     return field[fieldKept(a) + 2] + field[fieldKept(uvec2(b.x, a.y)) + 2] + field[fieldKept(uvec2(a.x, b.y)) + 2] +

@@ -9,12 +9,8 @@ layout(constant_id = kIdHasGlass) const bool kIsLayer = false;
 const float kSameHeight = 1e-2; // of a plane: most that its points differ by, as a part of their height
 const float kSameFace = 0.1; // of a slab: most distance of the pixel's surface from that of its rays
 
-// Values that a run of pixels shares.
-struct MediumCut {
-    vec4 ends;    // the face at which whole rays end
-    bool steep;   // true: the ends of the rays around are steep (shared/field.h)
-    FieldFaces ended[kMostFieldQuantities];
-};
+// Values that pixels of a run share.
+struct MediumCut { FieldFaces ended[kMostFieldQuantities]; };
 
 // A quantity up to a face. Fog's columns are not kept for the next pixel: kept arrays of all its quantities take
 // seconds to compile.
@@ -25,17 +21,10 @@ float cutAt(inout FieldFaces kept, uint quantity, MediumRun run, float face, flo
     return fieldAt(none, quantity, run.at, face, part);
 }
 
-// The shared values of pixels from `pixel` on.
-MediumCut mediumCut(MediumRun run, ivec2 pixel) {
+// What a run begins with: nothing is known.
+MediumCut mediumCut() {
     MediumCut cut;
     for (uint q = 0; q < fieldQuantities(); ++q) cut.ended[q].below = -1;
-    cut.steep = false;
-    if (kHasOpaque) {
-        cut.ends = fieldColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), run.at, spline(run.at.down));
-        // The nodes above and below the run: coefficients of a spline ring to two nodes around.
-        const uint upper = fieldSteep() + run.at.first + grid.nodes.x + 1;
-        if (kRate > 1) cut.steep = max(field[upper], field[upper + grid.nodes.x + 1]) > 0;
-    }
     return cut;
 }
 
@@ -65,15 +54,15 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
     if (isFogOnly()) return; // it is the pixel's own
     const float part = fieldPart(pixel.x), z = texelFetch(view_depth, pixel, 0).r;
     const float linear = clamp(faceAt(z), 0, float(lastFace()));
-    const bool differs = abs(dot(across, cut.ends) - linear) > kSameFace;
+    const bool differs = abs(dot(across, run.ends) - linear) > kSameFace;
     bool keep_fog = false, keep_all = false; // True: what is before the surface is that of the whole rays
-    if (kHasFog && (cut.steep || differs)) keep_fog = !differs;
-    if (kHasFog && kRate > 1 && (cut.steep || differs)) {
+    if (kHasFog && (run.steep || differs)) keep_fog = !differs;
+    if (kHasFog && kRate > 1 && (run.steep || differs)) {
         const bool level = isLevel(run, pixel, z * dir.y, linear, keep_all);
         keep_fog = keep_fog || level;
         keep_all = keep_all && level;
     }
-    if ((cut.steep || differs) && !keep_all) {
+    if ((run.steep || differs) && !keep_all) {
         const float end = kHasFog ? faceOnRay(z, dir) : linear;
         for (uint q = 0; q < fieldQuantities(); ++q)
             if (!(keep_fog && q >= fieldFog())) ray[q] = max(cutAt(cut.ended[q], q, run, end, part), 0);

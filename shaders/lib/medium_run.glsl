@@ -14,32 +14,48 @@
 struct MediumRun {
     FieldRun at;
     vec4 whole[kMostFieldQuantities];
+    vec4 ends;  // with opaque objects: the face at which whole rays end
+    bool steep; // true: the ends of the rays around are steep (shared/field.h)
 };
 
-// True if no ray has medium that the run from `pixel` on, or the coefficients that it reads, are made of.
-bool isClear(ivec2 pixel) {
+const int kNoCell = -2; // neither it nor the one beside it is any cell
+
+// True if no ray has medium that the runs from `pixel` and from the one below it on, or the coefficients that they
+// read, are made of.
+bool areClear(ivec2 pixel) {
     const uvec2 node = fieldNode(pixel);
-    return isClear(max(node, 2) - 2, node + 5);
+    return isClear(max(node, 2) - 2, node + (kRate % 2 == 0 ? 5 : 6));
+}
+
+// True: the ends of the rays around are steep, above or below the run. Coefficients of a spline ring to two nodes around.
+bool isSteep(FieldRun run) {
+    const uint upper = fieldSteep() + run.first + grid.nodes.x + 1;
+    return kRate > 1 && max(field[upper], field[upper + grid.nodes.x + 1]) > 0;
+}
+
+// Moves two runs, one below the other, to `pixel` and the one below it. `cell`: the number across of the cell that they
+// are in, or kNoCell. What they have of it and of the one beside it is kept.
+void moveRuns(ivec2 pixel, inout int cell, inout MediumRun run, inout MediumRun next) {
+    const FieldRows rows = fieldRows(pixel);
+    const int own = int(fieldNode(pixel).x);
+    if (own == cell) return;
+    const bool beside = own == cell + 1;
+    cell = own;
+    run.at = rows.run;
+    next.at = rows.next;
+    for (uint q = 0; q < fieldQuantities(); ++q)
+        moveColumns(kRate == 1 ? fieldWhole(q) : fieldSpline(q), rows, beside, run.whole[q], next.whole[q]);
+    if (!kHasOpaque) return;
+    moveColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), rows, beside, run.ends, next.ends);
+    run.steep = isSteep(run.at);
+    next.steep = kRate % 2 == 0 ? run.steep : isSteep(next.at);
 }
 
 MediumRun mediumRun(ivec2 pixel) {
-    MediumRun run;
-    run.at = fieldRun(pixel);
-    const vec4 down = spline(run.at.down);
-    for (uint q = 0; q < fieldQuantities(); ++q)
-        run.whole[q] = fieldColumns(kRate == 1 ? fieldWhole(q) : fieldSpline(q), run.at, down);
+    MediumRun run, next;
+    int cell = kNoCell;
+    moveRuns(pixel, cell, run, next);
     return run;
-}
-
-// The runs of this row of pixels and of the next one in the same cells, without opaque objects.
-void mediumRuns(ivec2 pixel, out MediumRun run, out MediumRun next) {
-    run.at = fieldRun(pixel);
-    next.at = fieldRun(pixel + ivec2(0, 1));
-    for (uint q = 0; q < fieldQuantities(); ++q) {
-        const mat2x4 rows = transpose(fieldColumnsOfTwo(fieldSpline(q), run.at, next.at));
-        run.whole[q] = rows[0];
-        next.whole[q] = rows[1];
-    }
 }
 
 // Optical depth of fog between the eye and view depth `end` of a pixel's own ray: exact, so that no edge is smeared.

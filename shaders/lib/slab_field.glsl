@@ -43,16 +43,44 @@ vec4 fieldColumns(uint plane, FieldRun run, vec4 down) {
     return columns;
 }
 
-// The columns of a B-spline for this row of pixels (.x) and the next one of the cell (.y).
-mat4x2 fieldColumnsOfTwo(uint plane, FieldRun run, FieldRun next) {
-    const uint at = plane + run.first;
-    const vec4 here = spline(run.down), there = spline(next.down);
-    mat4x2 columns = mat4x2(0);
+// Two rows of pixels that are made together, the second below the first, and the weights of their rows of nodes. Cells
+// of an even rate hold both rows or none.
+struct FieldRows {
+    FieldRun run, next;
+    vec4 here, there;
+};
+
+FieldRows fieldRows(ivec2 pixel) {
+    const FieldRun run = fieldRun(pixel), next = fieldRun(pixel + ivec2(0, 1));
+    return FieldRows(run, next, spline(run.down), spline(next.down));
+}
+
+// The values of column `i` of four columns of nodes, interpolated to the heights of both rows by a B-spline.
+vec2 fieldColumn(uint plane, FieldRows rows, uint i) {
+    const uint upper = plane + rows.run.first + i, lower = plane + rows.next.first + i;
+    if (kRate == 1) return vec2(field[upper], field[lower]);
+    vec2 column = vec2(0);
     [[unroll]] for (uint j = 0; j < 4; ++j) {
-        const uint row = at + j * grid.nodes.x;
-        [[unroll]] for (uint i = 0; i < 4; ++i) columns[i] += field[row + i] * vec2(here[j], there[j]);
+        const float value = field[upper + j * grid.nodes.x];
+        const float below = kRate % 2 == 0 ? value : field[lower + j * grid.nodes.x];
+        column += vec2(rows.here[j] * value, rows.there[j] * below);
     }
-    return columns;
+    return column;
+}
+
+// Columns .x ... .w of both rows, in the next cell to the right. `beside`: true if they were those of this cell, so that
+// only the last column is new.
+void moveColumns(uint plane, FieldRows rows, bool beside, inout vec4 columns, inout vec4 next) {
+    if (!beside && kRate > 1) {
+        [[unroll]] for (uint i = 0; i < 3; ++i) {
+            const vec2 column = fieldColumn(plane, rows, i);
+            columns[i + 1] = column.x;
+            next[i + 1] = column.y;
+        }
+    }
+    const vec2 last = fieldColumn(plane, rows, kRate == 1 ? 0 : 3);
+    columns = kRate == 1 ? vec4(last.x) : vec4(columns.yzw, last.x);
+    next = kRate == 1 ? vec4(last.y) : vec4(next.yzw, last.y);
 }
 
 // The columns of four neighbouring faces, kept while the pixels of a run need the same faces.
