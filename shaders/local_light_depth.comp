@@ -2,11 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 // Local light depth, once a tick: the optical depth of the particles from a point or a spot to some distances in many
 // directions (LocalLight::volume). A lane is a direction. A workgroup has 8x8 neighbouring ones. The lanes of a
-// subgroup load and test a particle each, and then add those that some direction of the workgroup meets.
+// subgroup load and test a particle each, and then add those that some of its directions meets.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/shared/transmittance.h"
@@ -23,21 +24,22 @@ layout(scalar) writeonly buffer LightDepths { float light_depths[]; }; // of eac
 #include "shaders/lib/spread.glsl"
 
 const float kEnd = 3.5; // of a Gaussian, in units of 1 / k: 4e-7 of its depth lie beyond
+// Between two distances, in the same units: up to that the Gaussian is summed by steps (erfSteps()). They err by a
+// thirtieth of what looking up between the distances does.
+const float kMostStep = 1;
 
 void main() {
     const uvec3 group = spreadGroup();
     const LocalLight light = local_lights[group.z];
     if (light.volume == kNoVolume || any(greaterThanEqual(8 * group.xy, uvec2(light.volume_side)))) return;
     const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
-    const uvec2 node = 8 * group.xy + uvec2(lane % 8, lane / 8);
+    // Neighbouring lanes have directions that are neighbours both ways: blocks of 4x2, of 4x4, of 8x4.
+    const uvec2 node = 8 * group.xy + uvec2(lane & 3 | lane >> 1 & 4, lane >> 2 & 1 | lane >> 3 & 6);
     const float to_square = 2 / float(light.volume_side - 1);
     const vec3 w = fromLightSquare(light, vec2(node) * to_square - 1);
-    // The cone of the workgroup's directions. They do not cross the octahedron's edges where it is folded.
-    const vec2 first = vec2(group.xy * 8) * to_square - 1;
-    const vec3 middle = fromLightSquare(light, first + 3.5 * to_square);
-    float cosine = 1;
-    for (uint i = 0; i < 4; ++i)
-        cosine = min(cosine, dot(middle, fromLightSquare(light, first + 7 * to_square * vec2(i & 1, i >> 1))));
+    // The cone of the subgroup's directions.
+    const vec3 middle = normalize(subgroupAdd(w));
+    float cosine = subgroupMin(dot(middle, w));
     cosine = cosine * 0.999 - 1e-3;
     const float sine = sqrt(1 - cosine * cosine);
 
@@ -75,15 +77,21 @@ void main() {
                     uint s = uint(clamp(floor(ends.x), 0, float(light.volume_shells - 1)));
                     const float step = k * light.volume_step;
                     const float start = k * (light.volume_near - middle_at);
-                    float before = erf(start + float(s) * step);
-                    if (s < last) do { // two distances at a time, which do not wait for each other
-                            const float here = erf(start + float(s + 1) * step),
-                                        next = erf(start + float(s + 2) * step);
-                            added[s + 1] += half_line * (here - before);
-                            if (s + 2 <= last) added[s + 2] += half_line * (next - here);
-                            before = next;
-                            s += 2;
+                    if (s < last && step <= kMostStep) {
+                        ErfSteps steps = erfSteps(start + (float(s) + 0.5) * step, step);
+                        do {
+                            added[++s] += half_line * steps.value;
+                            steps.value *= steps.ratio;
+                            steps.ratio *= steps.change;
                         } while (s < last);
+                    } else if (s < last) {
+                        float before = erf(start + float(s) * step);
+                        do {
+                            const float here = erf(start + float(s + 1) * step);
+                            added[++s] += half_line * (here - before);
+                            before = here;
+                        } while (s < last);
+                    }
                 }
             } while (bits != 0);
     }

@@ -70,6 +70,25 @@ BRUME_FN real erfDifference(real a, real h) {
     return erfDifference(near, length, erfcAbs(near), erfcAbs(near + length));
 }
 
+// Differences of erf over neighbouring intervals of one length, one after the other by two multiplications each.
+BRUME_STRUCT ErfSteps {
+    real value;  // of this interval
+    real ratio;  // of the next interval's value to this one's
+    real change; // of the ratio, from interval to interval
+};
+
+// Steps of length h > 0; the first is from u - h/2 to u + h/2. A difference is that of a Gaussian which has the
+// interval's variance besides: both agree in their first three moments. For h <= 1 a value, and the sum of neighbouring
+// ones, errs by at most 3.7e-3 h^4. `u` in [-5, 5].
+BRUME_FN BRUME_OF(ErfSteps) erfSteps(real u, real h) {
+    const real narrowed = real(1) / (real(1) + h * h * real(1.0 / 6.0));
+    BRUME_OF(ErfSteps) steps;
+    steps.value = real(1.1283791670955126) * h * sqrt(narrowed) * exp(-narrowed * u * u);
+    steps.ratio = exp(-narrowed * h * (real(2) * u + h));
+    steps.change = exp(real(-2) * narrowed * h * h);
+    return steps;
+}
+
 // q >= 0 with erfc(q) = y, for y in [0, 1]; y below 1e-37 counts as 1e-37 (q = 9.1). Absolute error 3e-7 and rounding.
 BRUME_FN real erfcInverse(real y) {
     const real t = sqrt(-log(real(0.5) * max(y, real(1e-37))));

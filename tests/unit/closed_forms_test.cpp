@@ -86,6 +86,34 @@ TEST(ErfDifference, Extremes) {
     EXPECT_NEAR(sum, 2, 2e-6);
 }
 
+// Through a Gaussian, from its beginning on, by as many steps as shaders take: each value and each sum, in float and
+// in double.
+TEST(ErfSteps, FollowTheDifferences) {
+    Worst value, sum, single;
+    constexpr int kMostSteps = 96;
+    geometric(0.02, 1, 1.3, [&](double h) {
+        for (double u = -4.5; u < 0; u += 1.3) {
+            auto steps = physics::erfSteps(u, h);
+            auto in_float = physics::erfSteps(static_cast<float>(u), static_cast<float>(h));
+            double added = 0, added_in_float = 0;
+            const double h4 = h * h * h * h;
+            for (double at = u; at < std::min(4.5, u + kMostSteps * h); at += h) {
+                added += steps.value;
+                added_in_float += in_float.value;
+                const double begin = u - h / 2, end = at + h / 2;
+                value.absolute((steps.value - exact::erfDifference(at - h / 2, h)) / h4, 0, at, h);
+                sum.absolute((added - exact::erfDifference(begin, end - begin)) / h4, 0, at, h);
+                single.absolute(added_in_float, added, at, h);
+                steps.value *= steps.ratio, steps.ratio *= steps.change;
+                in_float.value *= in_float.ratio, in_float.ratio *= in_float.change;
+            }
+        }
+    });
+    EXPECT_LT(value.deviation(), 3.7e-3) << value;
+    EXPECT_LT(sum.deviation(), 3.7e-3) << sum;
+    EXPECT_LT(single.deviation(), 5e-4) << single;
+}
+
 TEST(ErfcInverse, FindsTheArgument) {
     Worst single, fit;
     for (double q = 0; q <= 9; q += 0.01) {

@@ -10,7 +10,7 @@ namespace brume {
 
 namespace costs {
 // Pixels of a medium on a grid of rays, where all are shaded, x (1, 1 more with objects, 1 more for each caster).
-inline constexpr CostInfo kComposeField{"compose_field", "compose", 11};
+inline constexpr CostInfo kComposeField{"compose_field", "compose", 8.5};
 inline constexpr CostInfo kRayEnds{"ray_ends", "ray ends", 1.6}; // pixels, in scenes with objects
 inline constexpr CostInfo kShade{"shade", "shade", 170};         // shaded pixels, where not all are
 inline constexpr CostInfo kPresent{"present", "present", 3.4};   // pixels, then
