@@ -3,6 +3,7 @@
 
 #include "server/effects/local_lights/local_lights_plan.h"
 #include "server/inputs/local_light_block.h"
+#include "server/methods/rays/ray_plan.h"
 #include "server/plan/cost_learning.h"
 #include "tests/unit/plan_scenes.h"
 
@@ -110,6 +111,18 @@ TEST(FogWork, OneAloneHasNoRays) {
         EXPECT_GT(work(method), 0) << method;
         scene.fogs.pop_back();
     }
+}
+
+// All ways cost the same there by the costs of passes, but not the memory of a field with a ray for each pixel.
+TEST(FogAlone, IsPlannedWithFewRaysThatNothingReads) {
+    Scene scene = haze(0);
+    scene.render.method = kAutoMethod;
+    const auto chosen = [&] { return makePlan(inputsOf(scene), builtInCosts()).chosen.settings; };
+    EXPECT_EQ(chosen().rate, kUnreadRate);
+    EXPECT_EQ(chosen().slabs, kUnreadSlabs);
+    scene.render.rate = 2, scene.render.slabs = 64;
+    EXPECT_EQ(chosen().rate, 2u) << "who asks is obeyed";
+    EXPECT_EQ(chosen().slabs, 64u);
 }
 
 // Where nearly all time is the lights', rays and slabs would be given up in vain.

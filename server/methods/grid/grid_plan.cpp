@@ -47,7 +47,7 @@ public:
             if (wanted.grid.spacing != kAuto && spacing != kSpacings[0]) break;
             way.grid.spacing = wanted.grid.spacing != kAuto ? wanted.grid.spacing : spacing;
             const std::string why = gridRefusal(scene.extent, way);
-            if (why.empty()) addRays(way, ways);
+            if (why.empty()) addRays(scene, way, ways);
             refused = why.empty() ? why : "grid: " + why; // the coarsest one's is kept
         }
     }

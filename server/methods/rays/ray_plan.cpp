@@ -120,7 +120,11 @@ RenderSettings RayPlan::finer(const RenderSettings& settings) const {
     return next;
 }
 
-void RayPlan::addRays(RenderSettings way, std::vector<RenderSettings>& ways) {
+void RayPlan::addRays(const PlanScene& scene, RenderSettings way, std::vector<RenderSettings>& ways) {
+    if (!scene.needsRays()) {
+        if (!way.rate) way.rate = kUnreadRate;
+        if (!way.slabs) way.slabs = kUnreadSlabs;
+    }
     const uint32_t wanted_rate = way.rate, wanted_slabs = way.slabs;
     for (const uint32_t rate : kRates)
         for (const uint32_t slabs : kSlabCounts) {

@@ -27,9 +27,9 @@ public:
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 
-    void addWays(const PlanScene&, const RenderSettings& way, bool, std::vector<RenderSettings>& ways,
+    void addWays(const PlanScene& scene, const RenderSettings& way, bool, std::vector<RenderSettings>& ways,
                  std::string&) const override {
-        addRays(way, ways);
+        addRays(scene, way, ways);
     }
 
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
