@@ -142,7 +142,8 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
     // One node has the mean extinction, and the place where that is: light is taken as linear.
     const float shift = is_tiny ? grownShift(grown) * (end - begin) * particles / (particles + fog) : 0;
     vec3 sum = vec3(0);
-    [[dont_unroll]] for (uint node = 0; node < nodes * panels; ++node) {
+    uint node = 0;
+    [[dont_unroll]] do {
         // Gauss and Legendre's: places in a panel of width 1, and weights.
         const uint i = node % nodes;
         const bool outer = i == 0 || i == 3;
@@ -153,7 +154,6 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
         const vec3 away = offset + t * ray_dir;
         const float distance = sqrt(offset2 + t * t);
         const float sent = sentTo(light, away, distance);
-        if (!(sent > 0)) continue;
         float passed = before + fogTo(place) + fogFrom(light, away, distance) +
                        particlesFrom(light, away, distance);
         const vec3 w = away / max(distance, 1e-20);
@@ -172,7 +172,7 @@ vec3 ofPiece(LocalLight light, float closest, vec3 offset, float begin, float en
         }
         const float falls = is_tiny ? (even * even + h * h) / (t * t + h * h) : 1; // the angle is even in that
         sum += source * (weight * sent * falls * exp(-passed));
-    }
+    } while (++node < nodes * panels);
     return sum * (equiangularWeight(part) / float(panels));
 }
 
@@ -238,6 +238,12 @@ void findShadows(LocalLight light, vec3 offset, vec2 part) {
     if (kHasMeshes) findMeshShadows(light.position, offset, part, a, b, normal);
 }
 
+// The first of four places that lies behind `at`; 1e30: none does.
+float firstBehind(vec4 places, float at) {
+    const vec4 behind = mix(vec4(1e30), places, greaterThan(places, vec4(at)));
+    return min(min(behind.x, behind.y), min(behind.z, behind.w));
+}
+
 // The radiance that the ray has of one light.
 vec3 ofLight(LocalLight light, ivec2 pixel) {
     const vec3 to = light.position - eye.position;
@@ -259,7 +265,9 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
     if (light.shadows != 0) findShadows(light, offset, lit_range);
     const vec2 off = min(kFogBreaks * fadingLength(clamp(closest, eye.near_depth, ray_end)),
                          vec2(kRangeBreak, 1) * half_chord);
-    const vec4 breaks = vec4(-off.y, -off.x, off), fog_breaks = fogBreaks(lit_range + closest) - closest;
+    const vec4 breaks = vec4(-off.y, -off.x, off);
+    vec4 fog_breaks;
+    if (kHasFog) fog_breaks = fogBreaks(lit_range + closest) - closest;
     vec3 sum = vec3(0);
     float at = lit_range.x;
     [[dont_unroll]] for (uint piece = 0; piece < kMostPieces && at < lit_range.y; ++piece) {
@@ -277,10 +285,8 @@ vec3 ofLight(LocalLight light, ivec2 pixel) {
             const uint slab = pieceFrom(at, closest, next, before);
             if (inner.x > at) next = min(next, inner.x);
             if (inner.y > at) next = min(next, inner.y);
-            [[dont_unroll]] for (uint i = 0; i < 4; ++i) {
-                if (breaks[i] > at) next = min(next, breaks[i]);
-                if (fog_breaks[i] > at) next = min(next, fog_breaks[i]);
-            }
+            next = min(next, firstBehind(breaks, at));
+            if (kHasFog) next = min(next, firstBehind(fog_breaks, at));
             sum += ofPiece(light, closest, offset, at, next, slab, before, pixel);
             at = next;
         }
