@@ -46,24 +46,26 @@ constexpr Sample kSamples[] = {
     {"tetrahedra", "outside", "tetrahedra", 0, 0, {320, 180}},
 };
 
-// Least time of each pass, ms: whatever else the machine does only adds to it.
+// The passes of the frame that took the least time: whatever else the machine does only adds to it. A CPU driver runs
+// passes later than it says, so that the least of each pass would be what its neighbours had taken over.
 std::vector<FrameCost::Pass> passesOf(Stage& stage, double seconds) {
     stage.frame(); // compiles shaders, fits buffers
-    std::vector<FrameCost> frames;
-    for (double spent = 0; frames.size() < 3 || spent < seconds; spent += frames.back().wall_ms * 1e-3)
-        frames.push_back(stage.frame());
-    std::vector<FrameCost::Pass> passes = frames.front().passes;
-    for (size_t p = 0; p < passes.size(); ++p) {
-        std::vector<double> ms;
-        for (const FrameCost& frame : frames)
-            if (p < frame.passes.size()) ms.push_back(frame.passes[p].ms);
-        passes[p].ms = percentile(ms, 0);
+    const auto sumOf = [](const FrameCost& frame) {
+        double ms = 0;
+        for (const FrameCost::Pass& pass : frame.passes) ms += pass.ms;
+        return ms;
+    };
+    FrameCost least;
+    double spent = 0;
+    for (int frames = 0; frames < 3 || spent < seconds; ++frames) {
+        FrameCost frame = stage.frame();
+        spent += frame.wall_ms * 1e-3;
+        if (frames == 0 || sumOf(frame) < sumOf(least)) least = std::move(frame);
     }
-    return passes;
+    return least.passes;
 }
 
-// What one sample took: of the shared passes, each; of the view's, their sum. A CPU driver runs passes later than it
-// says, so that the time of one may count for its neighbour.
+// What one sample took: of the shared passes, each; of the view's, their sum.
 struct Timed {
     Work shared, view;
     std::array<double, kMostCosts> shared_ms{};
