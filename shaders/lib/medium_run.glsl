@@ -27,7 +27,8 @@ bool areClear(ivec2 pixel) {
     return isClear(max(node, 2) - 2, node + (kRate % 2 == 0 ? 5 : 6));
 }
 
-// True: the ends of the rays around are steep, above or below the run. Coefficients of a spline ring to two nodes around.
+// True: the ends of the rays around are steep, above or below the run. Coefficients of a spline ring to two nodes
+// around.
 bool isSteep(FieldRun run) {
     const uint upper = fieldSteep() + run.first + grid.nodes.x + 1;
     return kRate > 1 && max(field[upper], field[upper + grid.nodes.x + 1]) > 0;

@@ -68,8 +68,8 @@ vec2 fieldColumn(uint plane, FieldRows rows, uint i) {
     return column;
 }
 
-// Columns .x ... .w of both rows, in the next cell to the right. `beside`: true if they were those of this cell, so that
-// only the last column is new.
+// Makes `columns` and `next` those of the upper and the lower row. `beside`: true if they are those of the cell to the
+// left, so that only the last column is new.
 void moveColumns(uint plane, FieldRows rows, bool beside, inout vec4 columns, inout vec4 next) {
     if (!beside && kRate > 1) {
         [[unroll]] for (uint i = 0; i < 3; ++i) {
