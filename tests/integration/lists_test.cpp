@@ -89,7 +89,7 @@ TEST_F(ListsOfAServer, ElementsAreChangedAddedAndRemovedForEveryone) {
 // One who may change the scene adds lights as fast as is allowed: pictures still come.
 TEST(ListsOfABusyServer, MoreLightThanThereIsTimeForIsRefused) {
     RunningServer server(
-        {"--ahead", "off", "--set", "render.method=slabs", "--set", "render.rate=8", "--most-frame-time", "500"});
+        {"--ahead", "off", "--set", "render.method=slabs", "--set", "render.rate=8", "--most-frame-time", "20"});
     Watcher a(server.endpoint());
     a.look(kPose);
     ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty() && a.lists.size() == kLists; }));
