@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/effects/effect_plan.h"
+#include "server/inputs/local_light_block.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
 
@@ -24,8 +25,16 @@ public:
     Plan() : EffectPlan({&costs::kLocalLightDepth, &costs::kLocalLight, &costs::kLitSurfaces}) {}
 
     void addSharedWork(const PlanScene& scene, const RenderSettings& /*settings*/, Work& work) const override {
+        if (scene.particles == 0) return;
         const auto shadows = [](const gpu::LocalLight& light) { return light.shadows != 0; };
-        work[costs::kLocalLightDepth] = double(std::ranges::count_if(scene.local_lights, shadows)) * scene.particles;
+        const auto lights = uint32_t(std::ranges::count_if(scene.local_lights, shadows));
+        double directions = 0;
+        for (gpu::LocalLight light : scene.local_lights) {
+            if (!shadows(light)) continue;
+            setVolume(light, scene.extent, scene.particles, lights, 0);
+            directions += double(light.volume_side) * light.volume_side;
+        }
+        work[costs::kLocalLightDepth] = directions * scene.particles;
     }
     void addViewWork(const ViewWork& view, const RenderSettings& settings, Work& work) const override {
         const PlanScene& scene = view.scene();

@@ -6,8 +6,8 @@
 namespace brume {
 
 namespace costs {
-inline constexpr CostInfo kLocalLightDepth{"local_light_depth", "local light depth",
-                                           6000}; // lights with shadows x particles
+inline constexpr CostInfo kLocalLightDepth{"light_directions", "local light depth",
+                                           1.6}; // directions of all lights with shadows x particles
 inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local light", 51}; // localPieces()
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs
