@@ -72,9 +72,9 @@ BRUME_FN real erfDifference(real a, real h) {
 
 // Differences of erf over neighbouring intervals of one length, one after the other by two multiplications each.
 BRUME_STRUCT ErfSteps {
-    real value;  // of this interval
-    real ratio;  // of the next interval's value to this one's
-    real change; // of the ratio, from interval to interval
+    real value;  // difference over this interval
+    real ratio;  // the next interval's difference over this one's
+    real change; // the next interval's ratio over this one's
 };
 
 // Steps of length h > 0; the first is from u - h/2 to u + h/2. A difference is that of a Gaussian which has the
