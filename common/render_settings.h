@@ -140,6 +140,9 @@ struct RenderSettings : MethodSettings {
     uint32_t rate = kAuto;
     uint32_t slabs = kAuto;   // slabs, grid: along every ray, up to 512; auto: from the band limit
     uint32_t shading = kAuto; // slabs, grid: pixels between shaded ones, 1, 2, 4 or 8; auto: from the rays' spacing
+    // slabs, grid: rays hold the light that particles scatter of points and spots where rays and slabs are at most so
+    // many of the lengths apart in which it varies, up to 10. Pixels look up that of other lamps; auto: 0.25.
+    float lamp_spacing = kAuto;
     float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one
     bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
     std::string scattering =

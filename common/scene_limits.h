@@ -56,7 +56,7 @@ inline constexpr Limits kMoveTime{0, 60};     // s, of particles that are set
 inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
 inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};
 inline constexpr Limits kTetrahedra{1, 2e6}, kTetrahedraNodes{1, 3}; // how many; along a ray in each
-inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1};
+inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1}, kLampSpacing{1e-3, 10};
 inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kHistory{0, 0.98};
 inline constexpr Limits kVoxel{0.005, 100}; // m
 inline constexpr Limits kLightError{1e-5, 1}, kLightLevels{0, 3}, kLightSamples{1, 4096};

@@ -258,6 +258,10 @@ constexpr SceneSetting kBeforeMethods[]{
     {"render.shading", at<&P::render, &R::shading>, "pixels", limits::kShading,
      "`slabs`, `grid`: pixels between shaded ones, 1, 2, 4 or 8; `auto`: as the distance of the rays allows", kNobody,
      Form::or_auto},
+    {"render.lamp_spacing", at<&P::render, &R::lamp_spacing>, "", limits::kLampSpacing,
+     "`slabs`, `grid`: rays hold what particles scatter of points and spots where they are at most so many of the "
+     "lengths apart in which it varies; pixels look up the rest; `auto`: 0.25, more under load",
+     kNobody, Form::or_auto},
     {"render.merge", at<&P::render, &R::merge>, "pixels", limits::kMerge,
      "Particles of a large medium that share a cell of at most this size become one; 0: none do"},
     {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,

@@ -19,14 +19,15 @@ namespace brume {
 struct EffectInputs {
     const Simulation& simulation;
     const SceneNow& now;
-    std::span<const EyeRequest> eyes;     // the pictures that are asked for
-    std::span<const gpu::Opaque> objects; // planes, boxes, spheres
-    const MediumExtent& extent;           // bounds and more of all particles
-    MethodNeeds needs;                    // what the method reads that draws
-    uint32_t hues = 1;                    // number of hues that the pictures have (hues.h)
-    bool moved = true;                    // True: the particles are not those of the last submission
-    MediumView& all;                      // all particles; its resources are there when recording begins
-    std::span<MediumView* const> seen;    // lists of particles that eyes see, each once
+    std::span<const EyeRequest> eyes;         // the pictures that are asked for
+    std::span<const gpu::Opaque> objects;     // planes, boxes, spheres
+    std::span<const gpu::Particle> particles; // all that there are now
+    const MediumExtent& extent;               // bounds and more of all particles
+    MethodNeeds needs;                        // what the method reads that draws
+    uint32_t hues = 1;                        // number of hues that the pictures have (hues.h)
+    bool moved = true;                        // True: the particles are not those of the last submission
+    MediumView& all;                          // all particles; its resources are there when recording begins
+    std::span<MediumView* const> seen;        // lists of particles that eyes see, each once
 };
 
 // Effects are asked in the order of list.h, and give what others and methods read of them to TickInputs. Nothing of an

@@ -21,6 +21,9 @@ constexpr double kMostWork = 1e9; // numbers times pairs of a particle and a lig
 constexpr double kMostNumbers = 7 << 20, kMostOfLeast = 24 << 20;
 constexpr float kFewShells = 24; // distances of a volume then
 
+constexpr size_t kMostPairs = 2'000'000;  // lights times particles whose distances are looked at
+constexpr float kDeviationOfWidth = 0.1f; // of exp(-50 r^2 / u^2), in u
+
 // The ball that holds what a spot lights: that around its cone's tip and rim.
 void boundSpot(gpu::LocalLight& out, float outer) {
     const bool wide = outer > 0.785398f; // rad: the rim's circle is the ball's largest
@@ -100,6 +103,32 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t 
     light.volume_near = near;
     light.volume_step = length / float(light.volume_shells - 1);
     return light.volume_side * light.volume_side * light.volume_shells;
+}
+
+void setSmoothLengths(std::span<gpu::LocalLight> lights, std::span<const gpu::Particle> particles,
+                      const MediumExtent& extent, float falloff, const SceneFeatures& features,
+                      std::span<const Plane> planes) {
+    const bool few = lights.size() * particles.size() <= kMostPairs;
+    for (gpu::LocalLight& light : lights) {
+        const auto hides = [&](const Plane& plane) { return plane.height > light.position.y; };
+        const bool shadowed = features.bodies || features.meshes || std::ranges::any_of(planes, hides);
+        light.smooth_length = 0;
+        if (features.fog || particles.empty() || (light.shadows != 0 && shadowed)) continue;
+        const glm::vec3 outside = glm::max(glm::max(extent.lo - light.position, light.position - extent.hi), 0.0f);
+        float nearest = glm::length(outside);
+        if (few) {
+            float particle = kEndless;
+            for (const gpu::Particle& p : particles) {
+                const float deviation = kDeviationOfWidth * p.scale * falloff;
+                particle = std::min(particle, glm::distance(p.centre, light.position) - deviation);
+            }
+            nearest = std::max(nearest, particle);
+        }
+        float fades = 1; // rad
+        if (light.cos_outer >= -1)
+            fades = std::acos(light.cos_outer) - std::acos(std::min(light.cos_outer + light.cone_width, 1.0f));
+        light.smooth_length = std::max(nearest, 0.0f) * std::min(fades, 1.0f);
+    }
 }
 
 } // namespace brume

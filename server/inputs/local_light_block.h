@@ -4,6 +4,7 @@
 #include <span>
 
 #include "common/scene.h"
+#include "server/inputs/scene_features.h"
 #include "server/medium/extent.h"
 #include "shaders/shared/types.h"
 
@@ -17,5 +18,12 @@ gpu::LocalLight localLightBlock(const Light& light);
 // `particles`: how many there are; `lights`: how many have a volume.
 uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t particles, uint32_t lights,
                    uint32_t before);
+
+// Sets LocalLight::smooth_length of all. It is 0 with fog, which a lamp lights beside itself, and of lamps that objects
+// may shadow. Else it is the distance to the nearest particle; of a spot that times the angle in which its cone fades.
+// `extent`: of the particles. With more than two million pairs of a lamp and a particle its bounds are the nearest.
+void setSmoothLengths(std::span<gpu::LocalLight> lights, std::span<const gpu::Particle> particles,
+                      const MediumExtent& extent, float falloff, const SceneFeatures& features,
+                      std::span<const Plane> planes);
 
 } // namespace brume

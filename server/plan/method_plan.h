@@ -15,8 +15,8 @@
 
 namespace brume {
 
-// The direction in which overload makes a method coarser.
-enum class Coarser { along, across }; // fewer samples along each ray; rays farther apart
+// How overload makes a method coarser: fewer samples along each ray; rays farther apart; lamps' light on rays.
+enum class Coarser { along, across, lamps };
 
 class MethodPlan {
 public:

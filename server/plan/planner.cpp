@@ -73,6 +73,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.particles = uint32_t(particles.size());
     out.capacity = simulation.capacity();
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut, out.features.tetrahedra);
+    setSmoothLengths(out.local_lights, particles, out.extent, out.tick.falloff, out.features, now.lists.planes);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
     for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);
     out.medium_sample = MediumSample(out, particles);

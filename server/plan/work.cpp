@@ -126,7 +126,17 @@ ViewWork::ViewWork(const PlanScene& scene, const PlanView& view)
     for (const gpu::Particle& p : scene.sample)
         if (const Seen box = boxOf(p.centre, scene.support(p)); box.pixels() > 0) seen_.push_back(box);
     for (const gpu::LocalLight& light : scene.local_lights)
-        lit_pixels_ += boxOf(light.bound, double(light.reach)).pixels();
+        lit_pixels_ += lit_pixels_of_.emplace_back(boxOf(light.bound, double(light.reach)).pixels());
+    if (seen_.empty()) return;
+    Seen all = seen_.front();
+    for (const Seen& one : seen_)
+        all = {std::min(all.left, one.left),
+               std::max(all.right, one.right),
+               std::min(all.top, one.top),
+               std::max(all.bottom, one.bottom),
+               near_,
+               far_};
+    medium_pixels_ = all.pixels();
 }
 
 const SeenLight& ViewWork::light() const {
@@ -146,6 +156,10 @@ bool ViewWork::inside() const { return near_ <= double(kNearDepth); }
 
 double ViewWork::raySpacing(uint32_t rate) const {
     return rate * pixel_ * 0.5 * (near_ + far_) / double(scene_.extent.deviation);
+}
+
+double ViewWork::viewDepth(glm::vec3 x) const {
+    return double(glm::dot(x - view_.pose.position, view_.pose.orientation * glm::vec3(0, 0, -1)));
 }
 
 double ViewWork::slabThickness(uint32_t slabs) const {

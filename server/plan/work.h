@@ -123,9 +123,12 @@ public:
     double raySpacing(uint32_t rate) const;                // between neighbours, in projected standard deviations
     double deviation() const { return 1 / raySpacing(1); } // projectedDeviation()
     double slabThickness(uint32_t slabs) const;            // in standard deviations
+    double viewDepth(glm::vec3 x) const;                   // m
     const SeenLight& light() const;                        // found when first asked for: work alone does not need it
     // Pixels in the ranges of points and spots, one for every light that reaches it.
     double litPixels() const { return lit_pixels_; }
+    std::span<const double> litPixelsOf() const { return lit_pixels_of_; } // by local light
+    double mediumPixels() const { return medium_pixels_; }                 // of the box around the medium
     // Shadows of objects that a pixel's ray meets in the medium, on the mean.
     double shadowsMet() const;
     // Pixels covered by all particles, if each covers `part_of_box` of the box around it.
@@ -142,7 +145,8 @@ private:
     const PlanScene& scene_;
     PlanView view_;
     uint32_t width_, height_;
-    double pixel_, near_, far_, lit_pixels_ = 0;
+    double pixel_, near_, far_, lit_pixels_ = 0, medium_pixels_ = 0;
+    std::vector<double> lit_pixels_of_;
     std::vector<Seen> seen_;
     mutable std::optional<SeenLight> light_;
 };

@@ -58,6 +58,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
                     .now = now_,
                     .eyes = eyes,
                     .objects = objects_.all(),
+                    .particles = upload_.list(),
                     .extent = upload_.extent(),
                     .needs = needs,
                     .hues = uint32_t(hues_.size()),

@@ -2,16 +2,20 @@
 // kSunColours, kAmbientColours and kMultipleColours are declared.
 #include "shaders/shared/field.h"
 #include "shaders/shared/scatter.h"
+#include "shaders/lib/has_fog.glsl"
 #include "shaders/lib/has_local_lights.glsl"
+
+const bool kLampsOnRays = kHasLocalLights && !kHasFog; // True: rays hold light of points and spots
 
 FieldColours fieldColours() {
     return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0,
-                        kHasLocalLights && kSunColours == 3 ? 3 : 0, kMultipleColours, 0);
+                        kHasLocalLights && kSunColours == 3 ? 3 : 0, kLampsOnRays ? 3 : 0, kMultipleColours, 0);
 }
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }
 uint fieldFog() { return fieldFog(fieldColours()); }
 uint fieldGlow() { return fieldGlow(fieldColours()); }
 uint fieldScattering() { return fieldScattering(fieldColours()); }
+uint fieldLamps() { return fieldLamps(fieldColours()); }
 uint fieldMultiple() { return fieldMultiple(fieldColours()); }
 uint fieldQuantities() { return fieldQuantities(fieldColours()); }
 

@@ -7,6 +7,7 @@
 #include "shaders/blocks/meshes.glsl"
 #include "shaders/blocks/objects.glsl"
 #include "shaders/blocks/tick.glsl"
+#include "shaders/lib/is_on_rays.glsl"
 #include "shaders/shared/equiangular.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/slab_growth.h"
@@ -311,8 +312,20 @@ bool isNear(LocalLight light) {
     return layer < kThin * pixel && abs(off.y) < kCore * pixel;
 }
 
-// The light of a pixel's ray. near_light: true if a light is so near that nodes may miss what it does.
+// True if rays hold the light of all that may reach a bin of pixels.
+bool isAllOnRays(uint bin) {
+    if (!kLampsOnRays) return false;
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
+            if (!isOnRays(local_lights[32 * word + findLSB(bits)])) return false;
+    return true;
+}
+
+// The light of a pixel's ray, but for what rays hold. near_light: true if a light is so near that nodes may miss what it does.
 vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
+    near_light = false;
+    const uint bin = binOf(pixel);
+    if (isAllOnRays(bin)) return vec3(0);
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const float metres = length(dir);
     ray_dir = dir / metres;
@@ -321,11 +334,10 @@ vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
         fog_parts[i] = partInFog(i, eye.position, ray_dir, eye.near_depth * metres, ray_end);
     readParticles(ivec2(pixel), metres);
     vec3 sum = vec3(0);
-    near_light = false;
-    const uint bin = binOf(pixel);
     [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
         [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
             const LocalLight light = local_lights[32 * word + findLSB(bits)];
+            if (isOnRays(light)) continue;
             near_light = near_light || isNear(light);
             sum += ofLight(light, ivec2(pixel));
         }

@@ -118,5 +118,7 @@ vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sun
     }
     if (kHasGlow)
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
+    if (kLampsOnRays)
+        for (uint c = 0; c < 3; ++c) light[c] += ray[fieldLamps() + c];
     return vec4(light, 0) + (1 - opaque_part) * behind;
 }

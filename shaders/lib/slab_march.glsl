@@ -13,6 +13,7 @@
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/fog_march.glsl"
 #include "shaders/lib/medium_phase.glsl"
+#include "shaders/lib/lamps_on_rays.glsl"
 #include "shaders/lib/multiple.glsl"
 #include "shaders/lib/spread.glsl"
 
@@ -61,6 +62,10 @@ void march() {
         last_face = uint(field[kept + 1]);
     }
     uvec2 slabs = startRay(group, ray, at);
+    if (kLampsOnRays) { // lanes work together in each slab
+        const uint end = subgroupMax(slabs.x < slabs.y ? slabs.y : 0);
+        slabs = end == 0 ? uvec2(grid.slabs) : uvec2(subgroupMin(slabs.x), end);
+    }
     slabs = kHasFog ? uvec2(0, last_face) : min(slabs, uvec2(last_face));
     if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     if (kHasFog) startFog(kHasOpaque ? surfaceDepth(at) : kEndless);
@@ -69,6 +74,7 @@ void march() {
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
     float before;
     vec4 here = vec4(0), next = vec4(0), then = vec4(0);
+    const uint bin = binOf(uvec2(clamp(at, vec2(0), vec2(eye.size) - 1)));
     float seen = 0; // optical depth of particles up to the first face behind all surfaces of the tile: the last but one
     const bool goes_on = kHasFog && last_face == lastFace(); // True: there is fog behind the last face, too
     for (uint ahead = slabs.x; ahead < slabs.y + kSlabsAhead + (goes_on ? 1 : 0); ++ahead) {
@@ -78,7 +84,7 @@ void march() {
         then = ahead - frontSlabs() < grid.slabs ? drawnMedium(ahead - frontSlabs()) : vec4(0);
         if (ahead < slabs.x + kSlabsAhead) continue;
         const uint face = ahead - kSlabsAhead, s = face - frontSlabs(); // the slab and its near face
-        float slab = 0, curvature = 0;
+        float slab = 0, slope = 0;
         if (before + here[kExtinction] + next[kExtinction] > 0 && !isFogAlone(face)) {
             // Beyond the ends of a row, as it goes on. Logarithms of Gaussians are concave, which bounds that.
             const float square = here[kExtinction] * here[kExtinction];
@@ -91,8 +97,10 @@ void march() {
                 next[kExtinction] = clamp(2 * here[kExtinction] - before, 0, square / max(before, 1e-30));
             // Integral over the slab of the parabola through three middles: one sample alone would err where the near
             // plane or a wall cuts the medium.
-            curvature = before - 2 * here[kExtinction] + next[kExtinction];
-            slab = max(here[kExtinction] + curvature / 24, 0) * (march_length * slabThickness());
+            const float curvature = before - 2 * here[kExtinction] + next[kExtinction];
+            const float mean = here[kExtinction] + curvature / 24;
+            slab = max(mean, 0) * (march_length * slabThickness());
+            slope = clamp(0.5 * (next[kExtinction] - before) / mean, -2, 2);
             if (slab <= least) slab = 0;
         }
         if (slab > 0) {
@@ -104,10 +112,11 @@ void march() {
         // written.
         const bool waits = isLoneFog() && !(slab > 0) && face < last_face && (!kHasOpaque || face + 1 < first_face);
         if (kHasFog && !waits) passFog(sum, face, slab, light.z);
+        vec3 lamps = vec3(0);
+        if (kLampsOnRays && subgroupAny(slab > 0))
+            lamps = lampsOfSlab(bin, march_dir, march_length, faceDepth(face), faceDepth(face + 1), slab, slope);
         if (slab > 0) {
             const float all = slab + (kHasFog ? fog_own : 0);
-            const float mean = here[kExtinction] + curvature / 24;
-            const float slope = clamp(0.5 * (next[kExtinction] - before) / mean, -2, 2);
             const float bend = 0.5 * (light.w - light.z - light.y + light.x);
             const float transmittance = exp(-sum[kFieldDepth] - (kHasFog ? fog_passed : 0));
             const float even = kHasFog ? scatterOwn(slab, light.y, all + light.z) :
@@ -137,6 +146,7 @@ void march() {
                     sum[kFieldSun + c] += albedo * with_multiple[c];
                 }
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
+                if (kLampsOnRays) sum[fieldLamps() + c] += albedo * transmittance * lamps[c];
                 if (kMultipleColours == 3) sum[fieldMultiple() + c] += albedo * multiple[c];
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;
             }

@@ -26,6 +26,7 @@ struct FieldColours {
     uint fog;        // 3 if there is fog; otherwise 0
     uint glow;       // 3 if some fog emits light; otherwise 0
     uint scattering; // 3 if there are local lights, and albedos differ; otherwise 0
+    uint lamps;      // 3 if rays hold light of points and spots (lib/lamps_on_rays.glsl); otherwise 0
     uint multiple;   // 0 with single scattering, or if `sun` holds it; 1 if it is without albedo and colour; else 3
     uint model;      // of scattering: kScatteringSingle and so on (multiple.h)
 #ifdef __cplusplus
@@ -42,9 +43,11 @@ BRUME_INLINE uint fieldFog(FieldColours colours) { return fieldAmbient(colours) 
 BRUME_INLINE uint fieldGlow(FieldColours colours) { return fieldFog(colours) + colours.fog; } // emitted radiance
 // Albedo times optical depth of the particles.
 BRUME_INLINE uint fieldScattering(FieldColours colours) { return fieldGlow(colours) + colours.glow; }
+// Radiance of the light of points and spots that particles scatter.
+BRUME_INLINE uint fieldLamps(FieldColours colours) { return fieldScattering(colours) + colours.scattering; }
 // Light of the sun that has scattered more than once, for E = 1: without albedo if it has one colour. Without shadows
 // of objects, which dim it otherwise than sunlight, kFieldSun holds it, divided by the ray's phase function.
-BRUME_INLINE uint fieldMultiple(FieldColours colours) { return fieldScattering(colours) + colours.scattering; }
+BRUME_INLINE uint fieldMultiple(FieldColours colours) { return fieldLamps(colours) + colours.lamps; }
 BRUME_INLINE uint fieldQuantities(FieldColours colours) { return fieldMultiple(colours) + colours.multiple; }
 const uint kMostFieldQuantities = 19u;
 

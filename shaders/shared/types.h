@@ -86,6 +86,7 @@ struct LocalLight {
     float volume_near, volume_step; // m, distance of the first shell, and between two
     vec3 volume_axis;               // unit, the middle of the cone that its directions fill,
     float volume_cosine;            // and the cosine of the cone's half angle; -2: they are all directions
+    float smooth_length;            // m, in which its light varies among particles; 0: pixels' rays must look it up
 };
 
 const uint kPixelTile = 16u; // pixels along a side of a bin of local lights, and of a tile of shafts
@@ -256,7 +257,8 @@ struct SlabGrid {
     // With fog: slabs before and behind those of the particles, which grow (lib/slab_depth.glsl).
     uint front, back;
     float front_unit, back_unit; // m
-    float fog_step; // m of view depth; most that the light in fog is taken as linear on where particles shadow it
+    float fog_step;     // m of view depth; most that the light in fog is taken as linear on where particles shadow it
+    float lamp_spacing; // RenderSettings::lamp_spacing; 0: rays hold no lamp's light
 };
 
 // One picture, or a band of its rows, whose passes run together with others. Its data begins at these indices, in
@@ -272,7 +274,7 @@ struct View {
     uint added;
     uint field;
     uint shaded;
-    uint padding[58]; // any view may be bound alone: offsets are multiples of 256 bytes
+    uint padding[57]; // any view may be bound alone: offsets are multiples of 256 bytes
 };
 
 // Which pixels probe.comp reads, and how they were drawn.
@@ -307,13 +309,13 @@ struct DrawArguments {
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 108 && sizeof(Tick) == 656 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 656 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(SlabGrid) == 84 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
+static_assert(sizeof(SlabGrid) == 88 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
 static_assert(sizeof(LightParticle) == 32 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

@@ -131,5 +131,64 @@ TEST_F(LocalLightTest, SmallParticlesFarAway) {
     judge(scene, {kOutside}, kAmongParticles);
 }
 
+// Relative RMSE of two pictures.
+double difference(const Picture& a, const Picture& b) {
+    double errors = 0, values = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const glm::dvec3 x(a.pixels[i]), y(b.pixels[i]);
+        errors += glm::dot(x - y, x - y), values += glm::dot(y, y);
+    }
+    return std::sqrt(errors / values);
+}
+
+// Rays hold light that varies little between them: of lamps outside, and as exact as by pixels.
+TEST_F(LocalLightTest, OnRays) {
+    Scene scene = sceneOf(randomPoints(40, 5, 1.6f, 0.35f), 1.6f);
+    scene.lights.clear();
+    scene.medium.anisotropy = 0.7f;
+    scene.medium.asymmetry = 0.5f;
+    scene.medium.albedo = {0.9f, 0.6f, 0.3f};
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0.002f)};
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    scene.render.rate = 1;
+    scene.render.slabs = 128;
+    scene.render.grid.spacing = 0.25f;
+    scene.lights = {point({5, 4, 3}), spot({-6, 5, -1}, {1, -0.7f, 0.3f}), point({0, 6, -4})};
+    scene.lights[1].inner = 0.2f, scene.lights[1].outer = 0.6f;
+    for (const char* method : {"slabs", "grid"}) {
+        scene.render.method = method;
+        Scene by_pixels = scene;
+        scene.render.lamp_spacing = 0.25f;
+        Stage on_rays(device(), scene, 64), other(device(), by_pixels, 64);
+        for (const Pose& pose : {kOutside, kBelow}) {
+            const double off =
+                difference(on_rays.see(scene, pose, kWidth, kHeight), other.see(by_pixels, pose, kWidth, kHeight));
+            std::printf("%-6s on rays and by pixels: %.4f %%\n", method, 100 * off);
+            EXPECT_LT(off, 5e-3);
+            EXPECT_GT(off, 1e-7) << "rays hold it";
+        }
+        scene.render.lamp_spacing = kAuto;
+    }
+    scene.render.lamp_spacing = 0.25f;
+    judge(scene, {kOutside, kBelow}, kAmongParticles);
+}
+
+// A lamp among particles is left to pixels, whatever the rest.
+TEST_F(LocalLightTest, AmongParticlesIsOnNoRay) {
+    Scene scene = sceneOf(randomPoints(40, 5, 1.6f, 0.35f), 1.6f);
+    scene.lights = {point({0, 0, 0})};
+    scene.render.rate = 4, scene.render.slabs = 32;
+    scene.render.lamp_spacing = kAuto;
+    Simulation simulation(scene);
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    scene.lights[0].position = particles[0].centre;
+    scene.render.method = "slabs";
+    Scene on_rays = scene;
+    on_rays.render.lamp_spacing = 10;
+    Stage a(device(), scene, 64), b(device(), on_rays, 64);
+    EXPECT_EQ(difference(a.see(scene, kOutside, kWidth, kHeight), b.see(on_rays, kOutside, kWidth, kHeight)), 0);
+}
+
 } // namespace
 } // namespace brume::test::local_light_test

@@ -94,6 +94,63 @@ TEST(LocalLightWork, ParticlesAreAddedToTheDepthOfEveryLightThatTheyDim) {
     EXPECT_EQ(work(), 0);
 }
 
+// One particle of deviation 0.1 m at the origin.
+float smoothLength(const Light& light, const SceneFeatures& features = {}, std::vector<Plane> planes = {}) {
+    std::vector<gpu::LocalLight> lights{localLightBlock(light)};
+    const std::vector<gpu::Particle> particles{{.centre = glm::vec3(0), .scale = 1, .sigma_t = 10}};
+    const MediumExtent extent{.lo = glm::vec3(-0.3f), .hi = glm::vec3(0.3f), .deviation = 0.1f};
+    setSmoothLengths(lights, particles, extent, 1, features, planes);
+    return lights[0].smooth_length;
+}
+
+TEST(SmoothLength, IsTheDistanceToTheNearestParticle) {
+    EXPECT_NEAR(smoothLength(point({3, 0, 0})), 2.9f, 1e-5f);
+    EXPECT_NEAR(smoothLength(point({0.25f, 0, 0})), 0.15f, 1e-5f) << "in the bounds, beside the particle";
+    EXPECT_EQ(smoothLength(point({0.05f, 0, 0})), 0) << "in the particle";
+}
+
+TEST(SmoothLength, OfASpotIsWhereItsConeFades) {
+    Light spot = point({3, 0, 0});
+    spot.type = kSpot, spot.axis = {-1, 0, 0}, spot.inner = 0.3f, spot.outer = 0.5f;
+    EXPECT_NEAR(smoothLength(spot), 0.2f * 2.9f, 1e-4f);
+    spot.inner = spot.outer - 1e-3f;
+    EXPECT_LT(smoothLength(spot), 0.01f);
+}
+
+TEST(SmoothLength, IsNoneWhereObjectsOrFogMakeEdges) {
+    Light light = point({3, 0, 0});
+    EXPECT_EQ(smoothLength(light, {.fog = true}), 0);
+    EXPECT_EQ(smoothLength(light, {.bodies = true}), 0);
+    EXPECT_EQ(smoothLength(light, {.meshes = true}), 0);
+    EXPECT_EQ(smoothLength(light, {}, {{1, {}}}), 0) << "a ground above the light hides it";
+    EXPECT_GT(smoothLength(light, {}, {{-1, {}}}), 0);
+    light.shadows = false;
+    EXPECT_GT(smoothLength(light, {.bodies = true}), 0);
+    EXPECT_EQ(smoothLength(light, {.fog = true}), 0);
+}
+
+// What rays hold no pixel looks up.
+TEST(LampsOnRays, AreWorkOfRaysInPlaceOfPixels) {
+    Scene scene = cube(400, 6);
+    scene.render.method = "slabs";
+    RenderSettings settings = settingsOf(4, 64);
+    const auto pieces = [&] { return workOf(scene, costs::kLocalLight, settings); };
+    const auto on_rays = [&] {
+        const PlanInputs inputs = inputsOf(scene);
+        return lampsOnRays(ViewWork(inputs.scene, inputs.views[0]), settings);
+    };
+    scene.lights = {point({0, 9, 0}), point({0, 0, 0})};
+    const double both = pieces();
+    EXPECT_EQ(on_rays(), 0) << "left open: pixels look up all";
+    settings.lamp_spacing = kFineLamps;
+    EXPECT_NEAR(pieces(), 0.5 * both, 0.1 * both) << "the lamp among the particles is left";
+    EXPECT_GT(on_rays(), 0);
+    scene.lights.pop_back();
+    EXPECT_EQ(pieces(), 0);
+    settings.rate = 16, settings.slabs = 8;
+    EXPECT_GT(pieces(), 0) << "rays are too far apart";
+}
+
 // One fog without particles and without a ball is in closed form at every pixel.
 TEST(FogWork, OneAloneHasNoRays) {
     Scene scene = haze(0);

@@ -30,6 +30,18 @@ TEST(Relaxed, SlabsThenRaysThenShadowsUntilNothingIsLeft) {
     EXPECT_EQ(now.slabs, 8u);
 }
 
+TEST(Relaxed, LampsGoOnRaysFirst) {
+    RenderSettings s;
+    s.method = "grid", s.rate = 4, s.slabs = 32, s.lamp_spacing = kFineLamps;
+    RenderSettings now = *relaxed(s, 0);
+    EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.slabs == 32 && now.rate == 4);
+    now = *relaxed(now, 1);
+    EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.slabs == 32 && now.rate == 6);
+    // Where no lamp shines on particles alone that would save nothing.
+    now = *relaxed(s, 0, [](const RenderSettings& way) { return way.lamp_spacing == kFineLamps; });
+    EXPECT_TRUE(now.lamp_spacing == kFineLamps && now.slabs == 24);
+}
+
 TEST(Relaxed, OverloadPredictsLessTimeAndMoreErrorWithinTenBudgets) {
     PlanInputs inputs = inputsOf(cube(5000, 3));
     Plan last = makePlan(inputs, builtInCosts());

@@ -13,6 +13,7 @@
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
 #include "shaders/local_light_depth_comp.h"
+#include "shaders/shared/lamps.h"
 
 namespace brume::effects::local_lights {
 namespace {
@@ -30,6 +31,7 @@ public:
 
     void prepare(const EffectInputs& in, TickInputs& tick) override {
         const uint32_t volumes = makeBlocks(in, *tick.tick);
+        setSmoothLengths(blocks_, in.particles, in.extent, tick.tick->falloff, tick.features, in.now.lists.planes);
         tick.lights = blocks_;
         lights_.atLeast(device_, std::max<size_t>(blocks_.size(), 1) * sizeof(gpu::LocalLight),
                         VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload, "local lights");
@@ -78,15 +80,19 @@ public:
         if (!in.shared->features.local_lights) return;
         const gpu::Commands::Pass pass(commands, "local light", group.view());
         const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
-        const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
-        gpu::computeToCompute(commands.handle());
+        gpu::everythingBefore(commands.handle());
         for (uint32_t i = 0; i < group.count(); ++i) {
+            if (raysHoldAll(group.views[i])) {
+                vkCmdFillBuffer(commands.handle(), lit_.handle(), 0, lit_.size(), 0);
+                continue;
+            }
+            const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
             program.bind(commands, group.resources, {group.blockOf(i)});
             const gpu::View& view = group.views[i];
             vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),
                           gpu::groups(view.end - view.first, gpu::kPixelTile), 1);
         }
-        gpu::computeToCompute(commands.handle());
+        gpu::everythingBefore(commands.handle());
     }
 
     uint64_t pictureBytes() const override {
@@ -119,9 +125,18 @@ private:
         }
         return volumes;
     }
+    // True: no pixel has light that its rays do not hold.
+    bool raysHoldAll(const gpu::View& view) const {
+        return std::ranges::all_of(blocks_, [&](const gpu::LocalLight& light) {
+            const float depth = -glm::dot(light.position - view.eye.position, view.eye.back);
+            return physics::raysHold(light.smooth_length, depth, float(view.grid.rate) * glm::length(view.eye.ray_down),
+                                     view.grid.thickness, view.grid.lamp_spacing);
+        });
+    }
     void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
-        buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
-                       gpu::Memory::device, name);
+        buffer.atLeast(device_, std::max<VkDeviceSize>(bytes, gpu::kLeastBinding),
+                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::device,
+                       name);
     }
 
     const gpu::Device& device_;

@@ -6,15 +6,40 @@
 #include "server/inputs/local_light_block.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/plans.h"
+#include "shaders/shared/lamps.h"
 
 namespace brume {
+
+namespace {
+
+bool isOnRays(const gpu::LocalLight& light, const ViewWork& view, const RenderSettings& settings) {
+    const auto slab = float((view.far() - view.near()) / std::max(settings.slabs, 1u));
+    return physics::raysHold(light.smooth_length, float(view.viewDepth(light.position)),
+                             float(settings.rate * view.pixel()), slab, settings.lamp_spacing);
+}
+
+} // namespace
 
 double localPieces(const ViewWork& view, const RenderSettings& settings) {
     constexpr double kComputed = 0.25;        // part of the pixels that are computed; neighbours tell the others
     constexpr double kPiecesWithoutSlabs = 6; // pieces of a ray in a light's range, where there are no slabs
-    const bool particles = view.scene().particles > 0;
+    const PlanScene& scene = view.scene();
+    const bool particles = scene.particles > 0;
     const bool coarse = pixelStep(settings.shading, settings.rate, particles) > 1;
-    return view.litPixels() * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
+    double lit = 0;
+    for (size_t i = 0; i < scene.local_lights.size(); ++i)
+        if (!isOnRays(scene.local_lights[i], view, settings)) lit += view.litPixelsOf()[i];
+    return lit * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
+}
+
+double lampsOnRays(const ViewWork& view, const RenderSettings& settings) {
+    constexpr double kFilled = 0.5; // part of the slabs that have medium, in the box around it
+    const PlanScene& scene = view.scene();
+    double lit = 0;
+    for (size_t i = 0; i < scene.local_lights.size(); ++i)
+        if (isOnRays(scene.local_lights[i], view, settings))
+            lit += std::min(view.litPixelsOf()[i], view.mediumPixels());
+    return lit / (double(settings.rate) * settings.rate) * settings.slabs * kFilled;
 }
 
 namespace effects::local_lights {

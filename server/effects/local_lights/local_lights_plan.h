@@ -12,8 +12,11 @@ inline constexpr CostInfo kLocalLight{"local_light", "local light bins, local li
 inline constexpr CostInfo kLitSurfaces{"lit_surfaces", "opaque", 0.6}; // pixels in a light's range x (1 + objects)
 } // namespace costs
 
-// The pieces that rays of pixels in a light's range are cut into: at cones and fogs, and at the slabs of particles.
+// Of lights that rays do not hold: the pieces that rays of pixels in their ranges are cut into: at cones and fogs, and
+// at the slabs of particles.
 double localPieces(const ViewWork& view, const RenderSettings& settings);
+// Slabs of rays x lamps whose light these hold.
+double lampsOnRays(const ViewWork& view, const RenderSettings& settings);
 
 inline constexpr uint64_t kLitBytesOfPixel = 3 * sizeof(float);
 

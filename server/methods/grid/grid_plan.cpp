@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "server/effects/local_lights/local_lights_plan.h"
 #include "server/methods/grid/node_grid_plan.h"
 #include "server/methods/rays/ray_plan.h"
 
@@ -14,10 +15,11 @@ namespace {
 constexpr CostInfo kBins{"grid_bin", "grid bins", 14}; // particles x lines of bricks
 // Particles x nodes of the bricks that they reach, and nodes x what makes them of coarse ones.
 constexpr CostInfo kNodes{"grid", "grid", 0.06};
+constexpr CostInfo kLamps{"grid_lamps", "grid rays", 60}; // lampsOnRays()
 // Rays x slabs x (1, or 5 where sampling is cubic; with several albedos 4 times that).
 constexpr CostInfo kRays{"grid_rays", "grid rays", 12};
-constexpr const CostInfo* kCosts[] = {&kBins,         &kNodes,         &kRays, &costs::kRayEnds, &costs::kComposeField,
-                                      &costs::kShade, &costs::kPresent};
+constexpr const CostInfo* kCosts[] = {
+    &kBins, &kNodes, &kRays, &kLamps, &costs::kRayEnds, &costs::kComposeField, &costs::kShade, &costs::kPresent};
 
 constexpr float kSpacings[] = {0.2f, 0.3f, 0.4f, 0.5f, 0.7f}; // standard deviations; cubic below kCubicBelow
 constexpr double kCoarseReach = 0.42; // of a particle on coarse nodes: these are narrower, and twice as far apart
@@ -82,6 +84,7 @@ public:
         const glm::dvec2 rays = raysOf(view, settings);
         work[kRays] = rays.x * rays.y * settings.slabs * (isCubic(settings) ? kCubicSampling : 1) *
                       quantitiesOf(view.scene()) * facesKept(view);
+        work[kLamps] = lampsOnRays(view, settings);
     }
 
 private:

@@ -19,6 +19,8 @@ constexpr double kWidened = 0.7, kSlabsWiden = 1 / kWidened;
 // RMSE of a ball or layer that fills a part of the picture, at its edges, per rate and pixels along the picture's side:
 // 0.4 to 0.53 for dense balls before a bright sky.
 constexpr double kFogEdges = 0.5;
+// RMSE of lamps' light between rays that are as far apart as the length in which it varies; cubes of less.
+constexpr double kLampsError = 0.02;
 
 double square(double x) { return x * x; }
 
@@ -94,15 +96,24 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
     return std::hypot(std::sqrt(sum), displaced);
 }
 
+double lampError(const ViewWork& view, const RenderSettings& settings) {
+    const bool has = std::ranges::any_of(view.scene().local_lights,
+                                         [](const gpu::LocalLight& light) { return light.smooth_length > 0; });
+    return has ? kLampsError * std::pow(double(settings.lamp_spacing), 3) : 0;
+}
+
 std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
     const double across = std::hypot(raysError(view, settings.rate), fogError(view, settings.rate));
-    return std::hypot(std::hypot(kLeastError, nodeError(settings, view)), across,
+    return std::hypot(std::hypot(kLeastError, nodeError(settings, view), lampError(view, settings)), across,
                       slabsError(view, settings.slabs, widens()));
 }
 
 std::optional<RenderSettings> RayPlan::coarser(const RenderSettings& settings, Coarser direction) const {
     RenderSettings next = settings;
-    if (direction == Coarser::along) {
+    if (direction == Coarser::lamps) {
+        if (settings.lamp_spacing == kAuto || settings.lamp_spacing >= kCoarseLamps) return {};
+        next.lamp_spacing = kCoarseLamps;
+    } else if (direction == Coarser::along) {
         if (settings.slabs <= kSlabCounts[0]) return {};
         for (const uint32_t fewer : kSlabCounts)
             if (fewer < settings.slabs) next.slabs = fewer;
@@ -125,6 +136,7 @@ void RayPlan::addRays(const PlanScene& scene, RenderSettings way, std::vector<Re
         if (!way.rate) way.rate = kUnreadRate;
         if (!way.slabs) way.slabs = kUnreadSlabs;
     }
+    if (way.lamp_spacing == kAuto) way.lamp_spacing = kFineLamps;
     const uint32_t wanted_rate = way.rate, wanted_slabs = way.slabs;
     for (const uint32_t rate : kRates)
         for (const uint32_t slabs : kSlabCounts) {

@@ -20,6 +20,9 @@ inline constexpr CostInfo kPresent{"present", "present", 3.4};   // pixels, then
 // tile of rays share a list of casters. From 4 on pictures take as long, with one they take 1.2 to 3.7 times as long.
 inline constexpr uint32_t kUnreadRate = 8, kUnreadSlabs = 8;
 
+// RenderSettings::lamp_spacing: as long as accuracy is kept, and under overload.
+inline constexpr float kFineLamps = 0.25f, kCoarseLamps = 1;
+
 // Rays before a picture's first pixel: one that cubic interpolation needs, two that the spline's coefficients need.
 inline constexpr uint32_t kRayMargin = 3;
 // Rays of a row or column that are not the first of a cell of the picture, where there are `margin` before it.
@@ -34,6 +37,8 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); //
 double rayError(double spacing);
 // Of the edges of fogs, between rays that are `rate` pixels apart: fogs with a ball or heights where they end.
 double fogError(const ViewWork& view, uint32_t rate);
+// Of lamps whose light rays hold.
+double lampError(const ViewWork& view, const RenderSettings& settings);
 // `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (SeenLight::bendOf).
 // `light_depth`: SeenLight::lightDepth().
 double slabError(double thickness, double bend, double light_depth);

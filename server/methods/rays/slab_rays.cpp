@@ -94,6 +94,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in, uint32_t sheet) {
     grid.thickness = (far - near) / float(grid.slabs);
     if (in.shared->features.casters) grid.caster_words = gpu::groups(in.shared->bodies, gpu::kWordCasters);
     grid.albedo = in.medium->extent->albedo;
+    grid.lamp_spacing = in.shared->settings->lamp_spacing;
     if (in.shared->features.fog) addFogSlabs(grid, in);
     return grid;
 }
@@ -249,6 +250,7 @@ gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
             .fog = features_.fog ? 3u : 0u,
             .glow = features_.glow ? 3u : 0u,
             .scattering = features_.local_lights && !one ? 3u : 0u,
+            .lamps = features_.local_lights && !features_.fog ? 3u : 0u,
             .multiple = in_sun       ? 0u
                         : one_colour ? 1u
                                      : 3u,

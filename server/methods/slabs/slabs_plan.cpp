@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/effects/local_lights/local_lights_plan.h"
 #include "server/methods/rays/ray_plan.h"
 
 namespace brume::methods::slabs {
 namespace {
 
-constexpr CostInfo kBin{"slab_bin", "bin", 5};            // particles x lines of tiles
-constexpr CostInfo kSlabs{"slabs", "slabs", 0.066};       // particles x samples of the tiles and sheets that they reach
-constexpr CostInfo kLight{"slab_light", "slab light", 6}; // rays x slabs
-constexpr const CostInfo* kCosts[] = {&kBin,          &kSlabs,         &kLight, &costs::kRayEnds, &costs::kComposeField,
-                                      &costs::kShade, &costs::kPresent};
+constexpr CostInfo kBin{"slab_bin", "bin", 5};      // particles x lines of tiles
+constexpr CostInfo kSlabs{"slabs", "slabs", 0.066}; // particles x samples of the tiles and sheets that they reach
+constexpr CostInfo kLamps{"slab_lamps", "slab light", 60}; // lampsOnRays()
+constexpr CostInfo kLight{"slab_light", "slab light", 6};  // rays x slabs
+constexpr const CostInfo* kCosts[] = {
+    &kBin, &kSlabs, &kLight, &kLamps, &costs::kRayEnds, &costs::kComposeField, &costs::kShade, &costs::kPresent};
 
 class Plan final : public RayPlan {
 public:
@@ -53,6 +55,7 @@ public:
         work[kSlabs] =
             once * quantitiesOf(scene) * kSamples * (reached * scene.weight() + 0.5 * tiles_x * tiles_y * sheets);
         work[kLight] = rays.x * rays.y * settings.slabs * facesKept(view);
+        work[kLamps] = lampsOnRays(view, settings);
     }
 };
 

@@ -1,0 +1,11 @@
+// Which points and spots the rays of a field hold the light of. Every pixel looks up the others, one by one. Include
+// after lib/eye.glsl and lib/field_planes.glsl.
+#include "shaders/shared/lamps.h"
+#include "shaders/shared/types.h"
+
+bool isOnRays(LocalLight light) {
+    if (!kLampsOnRays) return false;
+    const float depth = -dot(light.position - eye.position, eye.back);
+    return raysHold(light.smooth_length, depth, float(grid.rate) * length(eye.ray_down), slabThickness(),
+                    grid.lamp_spacing);
+}
