@@ -143,6 +143,8 @@ struct RenderSettings : MethodSettings {
     // slabs, grid: rays hold the light that particles scatter of points and spots where rays and slabs are at most so
     // many of the lengths apart in which it varies, up to 10. Pixels look up that of other lamps; auto: 0.25.
     float lamp_spacing = kAuto;
+    // slabs, grid. True: edges of shafts and of lamps' light in the medium are smoothed over some four pixels.
+    bool soft_edges = false;
     float merge = 1; // pixels, 0...8: particles of a large medium that share a cell of at most that size become one
     bool shared_order = true; // isv, sphere, tiles: a head's two eyes are sorted for once, from the middle between them
     std::string scattering =

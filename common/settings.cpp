@@ -262,6 +262,9 @@ constexpr SceneSetting kBeforeMethods[]{
      "`slabs`, `grid`: rays hold what particles scatter of points and spots where they are at most so many of the "
      "lengths apart in which it varies; pixels look up the rest; `auto`: 0.25, more under load",
      kNobody, Form::or_auto},
+    {"render.soft_edges", at<&P::render, &R::soft_edges>, "", kNone,
+     "`slabs`, `grid`. True: edges of shafts and of lamps' light in the medium are smoothed over some four pixels; so "
+     "they are under load"},
     {"render.merge", at<&P::render, &R::merge>, "pixels", limits::kMerge,
      "Particles of a large medium that share a cell of at most this size become one; 0: none do"},
     {"render.shared_order", at<&P::render, &R::shared_order>, "", kNone,

@@ -15,8 +15,8 @@
 
 namespace brume {
 
-// How overload makes a method coarser: fewer samples along each ray; rays farther apart; lamps' light on rays.
-enum class Coarser { along, across, lamps };
+// How overload makes a method coarser: fewer samples along each ray; rays farther apart; light that is sharp at pixels.
+enum class Coarser { along, across, light };
 
 class MethodPlan {
 public:

@@ -147,7 +147,9 @@ double errorOf(double flip, bool inside, bool measured) {
 
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed) {
     const MethodPlan& method = *planOf(settings.method);
-    if (auto lamps = method.coarser(settings, Coarser::lamps); lamps && (!allowed || allowed(*lamps))) return lamps;
+    std::optional<RenderSettings> softer = settings;
+    while ((softer = method.coarser(*softer, Coarser::light)))
+        if (!allowed || allowed(*softer)) return softer;
     for (uint32_t tries = 0; tries < 3; ++tries) {
         std::optional<RenderSettings> next;
         const uint32_t what = (step + tries) % 3;

@@ -109,8 +109,8 @@ double lightError(double estimated);
 double flipOf(double error, bool inside, bool measured);
 double errorOf(double flip, bool inside, bool measured); // its inverse
 
-// The next coarser settings under overload: first lamps' light on rays. Then `step`, from 0, selects a kind in turn:
-// along rays, across rays, shadow map. A kind that cannot become coarser, or whose settings are not `allowed`, is
+// The next coarser settings under overload: first light that is sharp at pixels. Then `step`, from 0, selects a kind in
+// turn: along rays, across rays, shadow map. A kind that cannot become coarser, or whose settings are not `allowed`, is
 // passed over. Nothing if no kind is left.
 using Allowed = std::function<bool(const RenderSettings&)>;
 std::optional<RenderSettings> relaxed(const RenderSettings& settings, uint32_t step, const Allowed& allowed = {});

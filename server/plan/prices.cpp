@@ -31,7 +31,7 @@ bool haveOwnRates(const PlanInputs& inputs, const RenderSettings& settings) {
 bool sameWay(const RenderSettings& a, const RenderSettings& b) {
     const MethodSettings &own_of_a = a, &own_of_b = b;
     return a.method == b.method && a.rate == b.rate && a.slabs == b.slabs && a.shadow_error == b.shadow_error &&
-           a.lamp_spacing == b.lamp_spacing && own_of_a == own_of_b;
+           a.lamp_spacing == b.lamp_spacing && a.soft_edges == b.soft_edges && own_of_a == own_of_b;
 }
 
 Prices::Prices(const PlanInputs& inputs, const CostModel& model)

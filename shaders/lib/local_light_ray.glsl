@@ -312,6 +312,16 @@ bool isNear(LocalLight light) {
     return layer < kThin * pixel && abs(off.y) < kCore * pixel;
 }
 
+// True if a light is so near to the pixel's ray that nodes may miss what it does.
+bool isNearAny(uvec2 pixel) {
+    ray_dir = normalize(rayDirection(vec2(pixel) + 0.5));
+    const uint bin = binOf(min(pixel, eye.size - 1));
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
+            if (isNear(local_lights[32 * word + findLSB(bits)])) return true;
+    return false;
+}
+
 // True if rays hold the light of all that may reach a bin of pixels.
 bool isAllOnRays(uint bin) {
     if (!kLampsOnRays) return false;

@@ -74,3 +74,26 @@ bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 value) {
     const vec3 bend = max(abs(value - straight_across), abs(value - straight_down));
     return abs(depth - inverse) <= kSamePlane * inverse && all(lessThanEqual(bend, kStraight * most));
 }
+
+const float kSameDepth = 0.15; // with kSoftEdges: most difference of inverse depths, as a part of the pixel's
+const float kLeastShare = 0.02; // of a node on the cell's other side
+
+// With kSoftEdges: the value between the four nodes around a pixel of the tile, of those whose surfaces lie about where
+// its own does. False: there is none.
+bool isSmoothed(uvec2 pixel, float inverse, out vec3 value) {
+    const uvec2 cell = min(pixel / kStep, uvec2(kNodes - 2));
+    const vec2 part = vec2(pixel) / float(kStep) - vec2(cell);
+    float shares = 0;
+    value = vec3(0);
+    [[unroll]] for (uint c = 0; c < 4; ++c) {
+        const uvec2 side = uvec2(c & 1, c >> 1);
+        const uint node = (cell.y + side.y) * kNodes + cell.x + side.x;
+        const vec2 near = mix(1 - part, part, vec2(side)) + kLeastShare;
+        const float off = abs(node_inverse[node] - inverse) / (kSameDepth * inverse);
+        const float share = near.x * near.y * max(1 - off, 0);
+        value += share * node_value[node];
+        shares += share;
+    }
+    value /= max(shares, 1e-20);
+    return shares > kLeastShare * kLeastShare;
+}

@@ -190,5 +190,30 @@ TEST_F(LocalLightTest, AmongParticlesIsOnNoRay) {
     EXPECT_EQ(difference(a.see(scene, kOutside, kWidth, kHeight), b.see(on_rays, kOutside, kWidth, kHeight)), 0);
 }
 
+// Edges of shafts, of cones and of what surfaces cut off are smoothed over some pixels, lights' images are not.
+TEST_F(LocalLightTest, SoftEdges) {
+    Scene scene = foggyScene();
+    scene.fogs[0].height = -4, scene.fogs[0].falloff = 0.2f;
+    scene.planes = {{-4, glm::vec3(0.4f, 0.35f, 0.3f)}};
+    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}, {{-4, -3, 3}, {2, 2, 2}, 0, glm::vec3(0.3f)}};
+    scene.spheres = {{{-1, 1, 1}, 0.8f, glm::vec3(0.5f)}};
+    Light sun;
+    sun.to_light = glm::normalize(glm::vec3(0.5f, 1, 0.2f));
+    scene.lights = {sun, point({0.5f, 2.5f, 2}), spot({-5, 4, -1}, {1, -0.7f, 0.3f})};
+    scene.render.rate = 4, scene.render.method = "slabs";
+    Scene soft = scene;
+    soft.render.soft_edges = true;
+    Stage a(device(), scene, 1), b(device(), soft, 1);
+    for (const Pose& pose : {kOutside, kInside, kBelow}) {
+        const Picture sharp = a.see(scene, pose, 2 * kWidth, 2 * kHeight);
+        const Picture smooth = b.see(soft, pose, 2 * kWidth, 2 * kHeight);
+        const double off = difference(smooth, sharp);
+        std::printf("soft edges: %.4f %%\n", 100 * off);
+        EXPECT_LT(off, 0.015);
+        EXPECT_GT(off, 1e-7);
+        EXPECT_EQ(glm::any(glm::isnan(smooth.at(0, 0))), false);
+    }
+}
+
 } // namespace
 } // namespace brume::test::local_light_test

@@ -12,7 +12,7 @@ namespace {
 
 TEST(Relaxed, SlabsThenRaysThenShadowsUntilNothingIsLeft) {
     RenderSettings s;
-    s.method = "slabs", s.rate = 4, s.slabs = 32, s.shadow_error = 3e-3f;
+    s.method = "slabs", s.rate = 4, s.slabs = 32, s.shadow_error = 3e-3f, s.soft_edges = true;
     RenderSettings now = *relaxed(s, 0);
     EXPECT_TRUE(now.slabs < s.slabs && now.rate == 4 && now.shadow_error == s.shadow_error);
     now = *relaxed(now, 1);
@@ -30,16 +30,18 @@ TEST(Relaxed, SlabsThenRaysThenShadowsUntilNothingIsLeft) {
     EXPECT_EQ(now.slabs, 8u);
 }
 
-TEST(Relaxed, LampsGoOnRaysFirst) {
+TEST(Relaxed, SharpLightGoesFirst) {
     RenderSettings s;
     s.method = "grid", s.rate = 4, s.slabs = 32, s.lamp_spacing = kFineLamps;
     RenderSettings now = *relaxed(s, 0);
     EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.slabs == 32 && now.rate == 4);
     now = *relaxed(now, 1);
-    EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.slabs == 32 && now.rate == 6);
-    // Where no lamp shines on particles alone that would save nothing.
-    now = *relaxed(s, 0, [](const RenderSettings& way) { return way.lamp_spacing == kFineLamps; });
-    EXPECT_TRUE(now.lamp_spacing == kFineLamps && now.slabs == 24);
+    EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.soft_edges && now.slabs == 32 && now.rate == 4);
+    now = *relaxed(now, 1);
+    EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.soft_edges && now.slabs == 32 && now.rate == 6);
+    // Where that would save nothing.
+    now = *relaxed(s, 0, [](const RenderSettings& way) { return way.lamp_spacing == kFineLamps && !way.soft_edges; });
+    EXPECT_TRUE(now.lamp_spacing == kFineLamps && !now.soft_edges && now.slabs == 24);
 }
 
 TEST(Relaxed, OverloadPredictsLessTimeAndMoreErrorWithinTenBudgets) {

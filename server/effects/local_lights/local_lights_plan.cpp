@@ -21,7 +21,8 @@ bool isOnRays(const gpu::LocalLight& light, const ViewWork& view, const RenderSe
 } // namespace
 
 double localPieces(const ViewWork& view, const RenderSettings& settings) {
-    constexpr double kComputed = 0.25;        // part of the pixels that are computed; neighbours tell the others
+    // Part of the pixels that are computed, and with soft edges; neighbours tell the others.
+    constexpr double kComputed = 0.25, kComputedSoft = 0.12;
     constexpr double kPiecesWithoutSlabs = 6; // pieces of a ray in a light's range, where there are no slabs
     const PlanScene& scene = view.scene();
     const bool particles = scene.particles > 0;
@@ -29,7 +30,8 @@ double localPieces(const ViewWork& view, const RenderSettings& settings) {
     double lit = 0;
     for (size_t i = 0; i < scene.local_lights.size(); ++i)
         if (!isOnRays(scene.local_lights[i], view, settings)) lit += view.litPixelsOf()[i];
-    return lit * (coarse ? kComputed : 1) * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
+    const double computed = !coarse ? 1 : settings.soft_edges ? kComputedSoft : kComputed;
+    return lit * computed * (kPiecesWithoutSlabs + (particles ? settings.slabs : 0));
 }
 
 double lampsOnRays(const ViewWork& view, const RenderSettings& settings) {

@@ -37,7 +37,7 @@ public:
                            s.rate, s.rate, s.slabs);
     }
     uint32_t shaders(const RenderSettings& settings) const override {
-        return kScatteringShaders * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);
+        return 2 * kScatteringShaders * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);
     }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }

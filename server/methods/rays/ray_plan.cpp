@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <numbers>
 
@@ -21,6 +22,8 @@ constexpr double kWidened = 0.7, kSlabsWiden = 1 / kWidened;
 constexpr double kFogEdges = 0.5;
 // RMSE of lamps' light between rays that are as far apart as the length in which it varies; cubes of less.
 constexpr double kLampsError = 0.02;
+// RMSE of soft edges: 0.15 to 0.77 % in seven shipped scenes.
+constexpr double kSoftEdgesError = 0.004;
 
 double square(double x) { return x * x; }
 
@@ -96,23 +99,30 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened) {
     return std::hypot(std::sqrt(sum), displaced);
 }
 
-double lampError(const ViewWork& view, const RenderSettings& settings) {
-    const bool has = std::ranges::any_of(view.scene().local_lights,
-                                         [](const gpu::LocalLight& light) { return light.smooth_length > 0; });
-    return has ? kLampsError * std::pow(double(settings.lamp_spacing), 3) : 0;
+double lightingError(const ViewWork& view, const RenderSettings& settings) {
+    const PlanScene& scene = view.scene();
+    const auto smooth = [](const gpu::LocalLight& light) { return light.smooth_length > 0; };
+    const bool lamps = std::ranges::any_of(scene.local_lights, smooth);
+    const bool edges = scene.features.casters || std::ranges::any_of(scene.local_lights, std::not_fn(smooth));
+    return std::hypot(lamps ? kLampsError * std::pow(double(settings.lamp_spacing), 3) : 0,
+                      edges && settings.soft_edges ? kSoftEdgesError : 0);
 }
 
 std::optional<double> RayPlan::error(const RenderSettings& settings, const ViewWork& view) const {
     const double across = std::hypot(raysError(view, settings.rate), fogError(view, settings.rate));
-    return std::hypot(std::hypot(kLeastError, nodeError(settings, view), lampError(view, settings)), across,
+    return std::hypot(std::hypot(kLeastError, nodeError(settings, view), lightingError(view, settings)), across,
                       slabsError(view, settings.slabs, widens()));
 }
 
 std::optional<RenderSettings> RayPlan::coarser(const RenderSettings& settings, Coarser direction) const {
     RenderSettings next = settings;
-    if (direction == Coarser::lamps) {
-        if (settings.lamp_spacing == kAuto || settings.lamp_spacing >= kCoarseLamps) return {};
-        next.lamp_spacing = kCoarseLamps;
+    if (direction == Coarser::light) {
+        if (settings.lamp_spacing != kAuto && settings.lamp_spacing < kCoarseLamps)
+            next.lamp_spacing = kCoarseLamps;
+        else if (!settings.soft_edges)
+            next.soft_edges = true;
+        else
+            return {};
     } else if (direction == Coarser::along) {
         if (settings.slabs <= kSlabCounts[0]) return {};
         for (const uint32_t fewer : kSlabCounts)
@@ -128,6 +138,8 @@ RenderSettings RayPlan::finer(const RenderSettings& settings) const {
     RenderSettings next = settings;
     if (next.rate > 1) next.rate /= 2;
     next.slabs = std::min(2 * next.slabs, kMostFinerSlabs);
+    next.lamp_spacing = std::min(next.lamp_spacing, kFineLamps);
+    next.soft_edges = false;
     return next;
 }
 

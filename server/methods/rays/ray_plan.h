@@ -37,8 +37,8 @@ double slabsError(const ViewWork& view, uint32_t slabs, bool widened = true); //
 double rayError(double spacing);
 // Of the edges of fogs, between rays that are `rate` pixels apart: fogs with a ball or heights where they end.
 double fogError(const ViewWork& view, uint32_t rate);
-// Of lamps whose light rays hold.
-double lampError(const ViewWork& view, const RenderSettings& settings);
+// Of lamps whose light rays hold, and of soft edges.
+double lightingError(const ViewWork& view, const RenderSettings& settings);
 // `thickness`: of slabs, in standard deviations. `bend`: depth of a deviation's length and more (SeenLight::bendOf).
 // `light_depth`: SeenLight::lightDepth().
 double slabError(double thickness, double bend, double light_depth);
@@ -61,7 +61,9 @@ public:
     bool hasRays() const override { return true; }
     bool drawsFogAndLocalLights() const override { return true; }
     bool drawsMultiple() const override { return true; }
-    uint32_t shaders(const RenderSettings& settings) const override { return scatteringShaders(settings); }
+    uint32_t shaders(const RenderSettings& settings) const override {
+        return kScatteringShaders * uint32_t(settings.soft_edges) + scatteringShaders(settings);
+    }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.
