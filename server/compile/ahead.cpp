@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -21,7 +22,7 @@ namespace {
 
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
 constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
-constexpr uint32_t kMostSteps = 12;                            // of overload
+constexpr uint32_t kMostSteps = 12, kSharpLight = 2;           // of overload: all; those that give up sharp light
 // Niceness. With 19 it would hardly get on beside other programs, and pictures wait for what it makes.
 constexpr int kNiceness = 10;
 // s of CPU time with the server's own priority. A driver that knows the shaders is done with most of them, and the
@@ -84,6 +85,17 @@ RenderSettings settled(const Scene& scene, const CostModel& costs, double frame_
     return planner.settings(simulation, {&own, 1}, true, Planner::Time::clock::now());
 }
 
+// The ways that overload takes, step by step.
+std::vector<RenderSettings> coarserThan(const RenderSettings& planned, uint32_t most) {
+    std::vector<RenderSettings> ways;
+    for (std::optional<RenderSettings> way = planned; ways.size() < most;) {
+        way = relaxed(*way, uint32_t(ways.size()));
+        if (!way) break;
+        ways.push_back(*way);
+    }
+    return ways;
+}
+
 } // namespace
 
 void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel& costs, double frame_budget_ms,
@@ -103,6 +115,10 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     compile(planned);
     compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
+    // What overload gives up: first as eyes that move see it, and as far as it will.
+    const bool overload = planner.plan().chosen.ms() > frame_budget_ms;
+    for (const RenderSettings& way : coarserThan(planned, overload ? kMostSteps : kSharpLight))
+        compiling.compile(way, false);
     if (scene.render.rate != kAuto) return compiling.compileViews(planned);
     // Viewers near and far, with large and small pictures, together and alone.
     compile(planner.once(simulation, compiling.inside()).settings);
@@ -113,8 +129,7 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
         compile(together);
         compile(planner.once(simulation, view).settings);
     }
-    std::optional<RenderSettings> coarser = planned;
-    for (uint32_t step = 0; step < kMostSteps && (coarser = relaxed(*coarser, step)); ++step) compile(*coarser);
+    for (const RenderSettings& way : coarserThan(planned, kMostSteps)) compile(way);
     RenderSettings other = planned;
     if (planOf(planned.method)->hasRays())
         for (const uint32_t rate : kRates) other.rate = rate, compile(other);

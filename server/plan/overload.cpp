@@ -6,7 +6,9 @@ namespace brume {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kUp = 1s, kDown = 5s, kPause = 1s;
+constexpr auto kUp = 1s, kPause = 1s;
+constexpr std::chrono::seconds kDown = 5s, kMostDown = 20min;
+constexpr auto kHeld = 10s; // after a step down: it did not hold if the level rises sooner
 constexpr double kSpare = 0.8;
 
 } // namespace
@@ -33,9 +35,12 @@ bool Overload::took(double ms, double restored, Time now) {
     long_ = too_long;
     short_ = would_fit;
     if (long_ && now - long_since_ >= kUp) {
+        // What was predicted to fit did not: it is tried again after twice the time.
+        down_ = now - fell_ < kHeld ? std::min(2 * down_, kMostDown) : kDown;
         ++level_;
-    } else if (short_ && now - short_since_ >= kDown) {
+    } else if (short_ && now - short_since_ >= down_) {
         --level_;
+        fell_ = now;
     } else {
         return false;
     }

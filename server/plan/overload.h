@@ -21,7 +21,8 @@ public:
     // Returns true if the level changed, by one.
     // - Up: all frames of a second exceeded the budget.
     // - Down: for five seconds, the median of eleven frames, multiplied by `restored`, was below 4/5 of the budget.
-    //   The median ignores frames that other programs made longer.
+    //   The median ignores frames that other programs made longer. Where the level rises again within ten seconds of
+    //   that, twice as long as before must have been short, up to twenty minutes.
     // More than a second between two frames starts both times anew.
     bool took(double ms, double restored, Time now);
     // Takes the last step up back: the caller found no accuracy left to give up.
@@ -34,7 +35,8 @@ private:
 
     double budget_ms_;
     uint32_t level_ = 0;
-    Time last_{}, long_since_{}, short_since_{};
+    Time last_{}, long_since_{}, short_since_{}, fell_{};
+    std::chrono::seconds down_{5}; // of short frames, before the level falls
     bool long_ = false, short_ = false;
     std::array<double, 11> newest_{}; // ms, ring buffer
     size_t frames_ = 0;

@@ -47,6 +47,25 @@ TEST(OverloadLevel, FallsOnAMachineThatIsBusyNowAndThen) {
     EXPECT_EQ(overload.level(), 0u);
 }
 
+// A step that saves more than is predicted looks as if it could be taken back, again and again.
+TEST(OverloadLevel, DoesNotFlapWhereThePredictionIsWrong) {
+    Overload overload(50);
+    Overload::Time now{std::chrono::hours(1)};
+    int changes = 0;
+    for (int i = 0; i < 3600 * 20; ++i) {
+        now += std::chrono::milliseconds(50);
+        changes += overload.took(overload.level() == 0 ? 80 : 20, 1.5, now);
+    }
+    EXPECT_GE(changes, 5) << "it is tried again";
+    EXPECT_LE(changes, 25);
+    // Another load is another matter.
+    feed(overload, now, 20, 1.5, 1300);
+    ASSERT_EQ(overload.level(), 0u);
+    feed(overload, now, 20, 1, 60);
+    EXPECT_EQ(feed(overload, now, 80, 1.5, 1.2), 1);
+    EXPECT_EQ(feed(overload, now, 20, 1.5, 5.2), 1);
+}
+
 TEST(OverloadLevel, ANewBudgetHoldsAtOnce) {
     Overload overload(33);
     Overload::Time now{std::chrono::hours(1)};
