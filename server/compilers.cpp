@@ -56,17 +56,21 @@ void Compilers::look() {
         }
     }
     if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
-    if (hear(behind_)) return;
+    const bool goes_on_behind = hear(behind_);
+    // What one process has compiled does not wait for what another compiles.
+    const auto is_on_disk = [&](const CompiledWays::Wanted& wanted) {
+        const auto known = on_disk_.find(wanted.lists); // other lists may be drawn meanwhile
+        return known != on_disk_.end() && known->second.contains(wanted.shaders);
+    };
+    while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted(is_on_disk)) {
+        if (const auto job = jobOf(wanted->lists, &*wanted, overridesOf(wanted->lists, &*wanted))) makeReady(*job);
+        ways.add(wanted->lists, wanted->shaders); // if nothing could be done: compiled where it is drawn
+    }
+    if (goes_on_behind) return;
     while (const auto wanted = command_.empty() ? std::nullopt : ways.nextWanted()) {
-        const SceneFeatures& lists = wanted->lists; // others may be drawn meanwhile
-        const auto known = on_disk_.find(lists);
-        if (known != on_disk_.end() && known->second.contains(wanted->shaders)) {
-            if (const auto job = jobOf(lists, &*wanted, overridesOf(lists, &*wanted))) makeReady(*job);
-        } else {
-            behind_ = start(lists, &*wanted);
-            if (behind_.process) return;
-        }
-        ways.add(lists, wanted->shaders); // if nothing could be done: compiled where it is drawn
+        behind_ = start(wanted->lists, &*wanted);
+        if (behind_.process) return;
+        ways.add(wanted->lists, wanted->shaders);
     }
 }
 

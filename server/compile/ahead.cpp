@@ -112,13 +112,15 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     };
     const RenderSettings resting = settled(scene, costs, frame_budget_ms);
     compiling.compile(resting, false); // first: the server has compiled `planned` itself
+    // What overload gives up, as eyes that move see it: before all else where it will.
+    const auto compileCoarser = [&](uint32_t most) {
+        for (const RenderSettings& way : coarserThan(planned, most)) compiling.compile(way, false);
+    };
+    if (planner.plan().chosen.ms() > frame_budget_ms) compileCoarser(kMostSteps / 2);
     compile(planned);
     compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
-    // What overload gives up: first as eyes that move see it, and as far as it will.
-    const bool overload = planner.plan().chosen.ms() > frame_budget_ms;
-    for (const RenderSettings& way : coarserThan(planned, overload ? kMostSteps : kSharpLight))
-        compiling.compile(way, false);
+    compileCoarser(kSharpLight);
     if (scene.render.rate != kAuto) return compiling.compileViews(planned);
     // Viewers near and far, with large and small pictures, together and alone.
     compile(planner.once(simulation, compiling.inside()).settings);

@@ -144,10 +144,12 @@ void CompiledWays::serve(std::function<void()> on_want) {
     on_want_ = std::move(on_want);
 }
 
-std::optional<CompiledWays::Wanted> CompiledWays::nextWanted() {
+std::optional<CompiledWays::Wanted> CompiledWays::nextWanted(const std::function<bool(const Wanted&)>& which) const {
     const std::scoped_lock lock(mutex_);
-    if (wanted_.empty()) return {};
-    return wanted_.front();
+    for (const bool still : {false, true})
+        for (const Wanted& wanted : wanted_)
+            if (wanted.shaders.still == still && (!which || which(wanted))) return wanted;
+    return {};
 }
 
 bool CompiledWays::addPipeline(const std::string& text) {

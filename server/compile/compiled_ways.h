@@ -72,8 +72,9 @@ public:
     void want(const RenderSettings& settings, bool still) override;
     // `on_want` is called by want() and follow(), in their thread, for everything new.
     void serve(std::function<void()> on_want);
-    // The way that was wanted first and is not compiled yet.
-    std::optional<Wanted> nextWanted();
+    // The way that was wanted first and is not compiled yet, of those for which `which` is true. Those of moving
+    // pictures come before those of still ones.
+    std::optional<Wanted> nextWanted(const std::function<bool(const Wanted&)>& which = {}) const;
     // A process has compiled this pipeline: gpu::PipelineListener. False: that is known already.
     bool addPipeline(const std::string& text);
     // Grows with every way that has() becomes true for.
