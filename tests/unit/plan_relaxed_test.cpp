@@ -39,6 +39,7 @@ TEST(Relaxed, SharpLightGoesFirst) {
     EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.soft_edges && now.slabs == 32 && now.rate == 4);
     now = *relaxed(now, 1);
     EXPECT_TRUE(now.lamp_spacing == kCoarseLamps && now.soft_edges && now.slabs == 32 && now.rate == 6);
+    EXPECT_NE(planOf("grid")->text(now).find("6x6 pixels, 32 slabs, lamps on rays, soft edges"), std::string::npos);
     // Where that would save nothing.
     now = *relaxed(s, 0, [](const RenderSettings& way) { return way.lamp_spacing == kFineLamps && !way.soft_edges; });
     EXPECT_TRUE(now.lamp_spacing == kFineLamps && !now.soft_edges && now.slabs == 24);

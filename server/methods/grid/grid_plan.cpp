@@ -33,8 +33,7 @@ public:
         return "slabs sampled from a grid in world space that all viewers share, the full Gaussian";
     }
     std::string text(const RenderSettings& s) const override {
-        return fmt::format("grid, nodes {:.3g} deviations apart, a ray per {}x{} pixels, {} slabs", s.grid.spacing,
-                           s.rate, s.rate, s.slabs);
+        return fmt::format("grid, nodes {:.3g} deviations apart, {}", s.grid.spacing, raysText(s));
     }
     uint32_t shaders(const RenderSettings& settings) const override {
         return 2 * kScatteringShaders * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);

@@ -6,6 +6,8 @@
 #include <iterator>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "server/medium/band_limit.h"
 
 namespace brume {
@@ -141,6 +143,12 @@ RenderSettings RayPlan::finer(const RenderSettings& settings) const {
     next.lamp_spacing = std::min(next.lamp_spacing, kFineLamps);
     next.soft_edges = false;
     return next;
+}
+
+std::string RayPlan::raysText(const RenderSettings& settings) {
+    return fmt::format("a ray per {0}x{0} pixels, {1} slabs{2}{3}", settings.rate, settings.slabs,
+                       settings.lamp_spacing >= kCoarseLamps ? ", lamps on rays" : "",
+                       settings.soft_edges ? ", soft edges" : "");
 }
 
 void RayPlan::addRays(const PlanScene& scene, RenderSettings way, std::vector<RenderSettings>& ways) {

@@ -70,6 +70,8 @@ public:
     RenderSettings finer(const RenderSettings& settings) const override;
 
 protected:
+    // Rays, slabs and how sharp light is, in a few words.
+    static std::string raysText(const RenderSettings& settings);
     // True: particles that are thinner than slabs are widened. False: they are sampled as they are.
     virtual bool widens() const { return true; }
     // What a method errs beside its rays and slabs, relative RMSE.

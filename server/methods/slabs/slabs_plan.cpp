@@ -22,10 +22,7 @@ public:
     const char* about() const override {
         return "order-independent slabs on a coarse grid of rays, the full Gaussian, no sort";
     }
-    std::string text(const RenderSettings& s) const override {
-        const std::string rate = std::to_string(s.rate);
-        return "slabs, a ray per " + rate + "x" + rate + " pixels, " + std::to_string(s.slabs) + " slabs";
-    }
+    std::string text(const RenderSettings& s) const override { return "slabs, " + raysText(s); }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 
