@@ -190,7 +190,7 @@ std::optional<size_t> Crowd::named(const Viewer& viewer) {
 }
 
 void Crowd::talk(Viewer& viewer, uint64_t now) {
-    const double period = viewer.path.kind == client::PathKind::fly ? client::kFlySeconds : client::kOrbitSeconds;
+    const double period = client::secondsOf(viewer.path.kind);
     const auto pose = [&] { return viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period); };
     if (now >= viewer.next_pose_us) {
         Pose next = pose();

@@ -20,7 +20,7 @@ namespace {
 Path pathNamed(const std::string& name) {
     if (name == "stereo") return {client::PathKind::orbit, true};
     const auto kind = client::pathNamed(name);
-    if (!kind) refuse("--paths", name, "is not one of orbit, fly, still, stereo, or several of them: orbit,fly");
+    if (!kind) refuse("--paths", name, "is not one of orbit, fly, walk, still, stereo, or several of them: orbit,fly");
     return {*kind, false};
 }
 
@@ -54,7 +54,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                          "Seconds before each run that are not measured; every viewer has frames by then")
               ->capture_default_str(),
           0.0, 600.0);
-    app.add_option("--paths", paths, "Where viewers go, in turn: orbit, fly, still, stereo (orbit with two eyes)")
+    app.add_option("--paths", paths,
+                   "Where viewers go, in turn: orbit, fly, walk (around the scene's own camera), still, "
+                   "stereo (orbit with two eyes)")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->default_str("orbit");
@@ -62,6 +64,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     allow(app.add_option("--height", options.wishes.height)->capture_default_str(), 16, 8192);
     allow(app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's"), 0,
           100);
+    app.add_flag("--fixed-size", options.wishes.keep_size,
+                 "Pictures come more seldom, not smaller, however busy the server is: for comparisons");
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
     allow(app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
               ->capture_default_str(),

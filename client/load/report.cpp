@@ -34,10 +34,7 @@ std::string pathsOf(const Options& options) {
     std::string text;
     for (const Path& path : options.paths) {
         text += text.empty() ? "" : ",";
-        text += path.stereo                            ? "stereo"
-                : path.kind == client::PathKind::orbit ? "orbit"
-                : path.kind == client::PathKind::fly   ? "fly"
-                                                       : "still";
+        text += path.stereo ? "stereo" : client::nameOf(path.kind);
     }
     return text;
 }

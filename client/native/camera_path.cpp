@@ -7,6 +7,17 @@ namespace brume::client {
 namespace {
 
 constexpr double kLookAhead = 0.6; // rad of the figure eight
+constexpr float kWalked = 0.12f;   // radius of a walk, of the start's distance from the target
+constexpr double kLookAbout = 0.6; // rad, to both sides
+
+constexpr struct {
+    PathKind kind;
+    std::string_view name;
+    double seconds;
+} kPaths[]{{PathKind::still, "still", kOrbitSeconds},
+           {PathKind::orbit, "orbit", kOrbitSeconds},
+           {PathKind::fly, "fly", kFlySeconds},
+           {PathKind::walk, "walk", kWalkSeconds}};
 
 glm::vec3 aroundY(glm::vec3 v, double angle) {
     const float c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
@@ -28,15 +39,24 @@ Pose CameraPath::at(double seconds) const {
         const double angle = 2 * std::numbers::pi * seconds / kFlySeconds;
         return lookAt(on_eight(angle), on_eight(angle + kLookAhead), fov_y);
     }
+    if (kind == PathKind::walk) {
+        const double angle = 2 * std::numbers::pi * seconds / kWalkSeconds;
+        const glm::vec3 off = kWalked * aroundY({glm::length(away), 0, 0}, angle);
+        const glm::vec3 here = position + off;
+        return lookAt(here, here - aroundY(away, kLookAbout * std::sin(2 * angle)), fov_y);
+    }
     return lookAt(position, target, fov_y);
 }
 
 std::optional<PathKind> pathNamed(std::string_view name) {
-    if (name == "still") return PathKind::still;
-    if (name == "orbit") return PathKind::orbit;
-    if (name == "fly") return PathKind::fly;
+    for (const auto& path : kPaths)
+        if (path.name == name) return path.kind;
     return {};
 }
+
+std::string_view nameOf(PathKind kind) { return kPaths[size_t(kind)].name; }
+
+double secondsOf(PathKind kind) { return kPaths[size_t(kind)].seconds; }
 
 Ray cursorRay(const Pose& pose, float x, float y, float aspect) {
     const float tangent = std::tan(0.5f * pose.fov_y);

@@ -8,12 +8,13 @@
 
 namespace brume::client {
 
-inline constexpr double kOrbitSeconds = 20, kFlySeconds = 40; // one round of the path
+inline constexpr double kOrbitSeconds = 20, kFlySeconds = 40, kWalkSeconds = 30; // one round of the path
 
 enum class PathKind {
     still,
     orbit, // a circle around the target, at the height of the start
     fly,   // a figure eight through the target, looking along the path
+    walk,  // a small circle around the start, at its height, looking about: where the start is inside, it stays there
 };
 
 struct CameraPath {
@@ -26,6 +27,8 @@ struct CameraPath {
 };
 
 std::optional<PathKind> pathNamed(std::string_view name);
+std::string_view nameOf(PathKind kind);
+double secondsOf(PathKind kind); // of one round
 
 struct Ray {
     glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit

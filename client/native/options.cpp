@@ -106,7 +106,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
     app.add_option(
            "--path", path,
-           "How the camera moves by itself: still, orbit or fly; orbit with --pause and --frames N: N even steps")
+           "How the camera moves by itself: still, orbit, fly or walk; orbit with --pause and --frames N: N even steps")
         ->capture_default_str();
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
@@ -136,7 +136,7 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         parseSize(size, options.wishes);
         options.wishes.views = stereo ? 2 : 1;
         const auto kind = pathNamed(path);
-        if (!kind) refuse("--path", path, "still, orbit or fly");
+        if (!kind) refuse("--path", path, "still, orbit, fly or walk");
         options.path = *kind;
         if (!camera.empty()) options.camera = parseCamera(camera);
         if (options.camera) options.camera->kind = options.path;

@@ -46,6 +46,7 @@ struct Wishes {                         // what a viewer asks for in its hello
     uint8_t views = 1;                  // 2 for left and right eye
     uint8_t quality = 0;                // JPEG, 0 = the server's
     bool lossless = true;               // true: a still picture comes once more, as PNG
+    bool keep_size = false;             // true: pictures come more seldom, not smaller
     std::string view = "picture";       // the view of how it is made, a name of view_names.h
 };
 

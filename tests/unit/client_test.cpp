@@ -159,6 +159,21 @@ TEST(CameraPath, AnOrbitKeepsItsDistanceAndItsTarget) {
     expectNear(path.at(10).position, {-1, 4, -12}, 1e-4f); // half a turn: mirrored at the axis through the target
 }
 
+TEST(CameraPath, AWalkStaysNearItsStart) {
+    const CameraPath path{PathKind::walk, {3, 4, 12}, {1, 0, 0}, 0.8f};
+    const float distance = glm::distance(path.position, path.target);
+    float least = 1;
+    for (int i = 0; i < 100; ++i) {
+        const Pose pose = path.at(kWalkSeconds * i / 100);
+        EXPECT_NEAR(glm::distance(pose.position, path.position), 0.12f * distance, 1e-4f);
+        EXPECT_FLOAT_EQ(pose.position.y, path.position.y);
+        const glm::vec3 forward = pose.orientation * glm::vec3(0, 0, -1);
+        least = std::min(least, glm::dot(forward, glm::normalize(path.target - path.position)));
+    }
+    EXPECT_GT(least, 0.8f) << "it looks toward the target";
+    EXPECT_LT(least, 0.95f) << "and about";
+}
+
 TEST(CameraPath, AFlightPassesTheTarget) {
     CameraPath path{PathKind::fly, {0, 2, 26}, {0, 0, 0}, 0.8f};
     float nearest = 1e9f;

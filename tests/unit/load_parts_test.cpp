@@ -44,12 +44,14 @@ Run aRun() {
 
 TEST(LoadOptions, GoodOnes) {
     const auto options =
-        parsed({"--viewers", "1,3,256", "--seconds", "2.5", "--paths", "orbit,fly,still,stereo", "--width", "320",
-                "--height", "180", "--decode", "--start", "--scene plume --set 'medium.count=7'", "--assert",
-                "fps>=15@3", "--assert", "p95<=2e2"});
+        parsed({"--viewers", "1,3,256", "--seconds", "2.5", "--paths", "orbit,fly,still,stereo,walk", "--width", "320",
+                "--height", "180", "--decode", "--fixed-size", "--start", "--scene plume --set 'medium.count=7'",
+                "--assert", "fps>=15@3", "--assert", "p95<=2e2"});
     ASSERT_TRUE(options);
     EXPECT_EQ(options->viewers, (std::vector<uint32_t>{1, 3, 256}));
-    ASSERT_EQ(options->paths.size(), 4u);
+    ASSERT_EQ(options->paths.size(), 5u);
+    EXPECT_EQ(options->paths[4].kind, client::PathKind::walk);
+    EXPECT_TRUE(options->wishes.keep_size);
     EXPECT_EQ(options->paths[1].kind, client::PathKind::fly);
     EXPECT_TRUE(options->paths[3].stereo);
     EXPECT_EQ(options->wishes.width, 320);
@@ -82,7 +84,7 @@ TEST(LoadOptions, BadOnesEndInOneLine) {
                                                {"--seconds", "0"},
                                                {"--seconds", "3601"},
                                                {"--seconds", "nan"},
-                                               {"--paths", "orbit,walk"},
+                                               {"--paths", "orbit,run"},
                                                {"--width", "8"},
                                                {"--server", "ftp://127.0.0.1"},
                                                {"--server", "ws://192.0.2.1"},
