@@ -5,7 +5,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 // Local light, per eye: radiance of the light of points and spots that the medium scatters toward the eye, up to the
 // pixel's surface (lib/local_light_ray.glsl). A workgroup makes a tile of 16x16 pixels. With kStep it computes one of
-// 4x4, and others only where those do not tell them: at edges, and near lights; with kSoftEdges near lights alone.
+// 4x4, and others only where those do not tell them: at edges, and near lights; with soft edges near lights alone.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -15,7 +15,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdRate) const uint kRate = 1;
 layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
-layout(constant_id = kIdSoftEdges) const bool kSoftEdges = false;
 layout(constant_id = kIdSunColours) const uint kSunColours = 1;
 layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
@@ -42,6 +41,7 @@ shared uint has_core; // 1: near_light of some node
 
 void main() {
     enterView(0);
+    const bool soft_edges = grid.soft_edges != 0; // True: edges are smoothed over
     // gl_LocalInvocationIndex would be divided out anew behind each barrier.
     const uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
     const uvec2 tile = spreadGroup().xy * kPixelTile + uvec2(0, views[0].first);
@@ -60,10 +60,10 @@ void main() {
         if (made) depth = texelFetch(view_depth, ivec2(pixel), 0).r;
         vec3 light;
         bool near_light = false, between = false; // True: the nodes tell the light
-        if (!nodes && coarse && (kSoftEdges || has_core == 0)) {
+        if (!nodes && coarse && (soft_edges || has_core == 0)) {
             between = isBetweenNodes(in_tile, 1 / depth, light);
-            if (kSoftEdges && !between) between = isSmoothed(in_tile, 1 / depth, light);
-            if (kSoftEdges && between && has_core != 0) between = !isNearAny(pixel);
+            if (soft_edges && !between) between = isSmoothed(in_tile, 1 / depth, light);
+            if (soft_edges && between && has_core != 0) between = !isNearAny(pixel);
         }
         if (made) {
             if (!between) light = ofPixel(pixel, depth, near_light);

@@ -7,8 +7,8 @@
 #extension GL_KHR_shader_subgroup_vote : require
 // Shafts, per eye: the part of the sun's light in the medium before each pixel's surface that objects do not shadow.
 // A workgroup makes a tile of 16x16 pixels. It first finds the objects whose shadows these may meet. With kStep it
-// computes one pixel of 4x4, and others only where those do not tell them: where the edge of a shadow passes between. With
-// kSoftEdges that is smoothed over.
+// computes one pixel of 4x4, and others only where those do not tell them: where the edge of a shadow passes between.
+// With soft edges that is smoothed over.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -22,7 +22,6 @@ layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 const uint kScatteringModel = 0; // what has scattered more than once is not looked at here
 layout(constant_id = kIdStep) const uint kStep = 1; // 1 or 4
-layout(constant_id = kIdSoftEdges) const bool kSoftEdges = false;
 const bool kHasOpaque = true, kHasAmbient = false;
 
 #include "shaders/blocks/objects.glsl"
@@ -184,6 +183,7 @@ bool isClearTile(uvec2 first, uvec2 last) {
 
 void main() {
     enterView(0);
+    const bool soft_edges = grid.soft_edges != 0; // True: edges are smoothed over
     const uint lane = laneOfTile();
     const uvec2 local = uvec2(lane % 8, lane / 8);
     const uvec2 tile = spreadGroup().xy * kPixelTile + uvec2(0, views[0].first / kPixelTile * kPixelTile);
@@ -207,17 +207,17 @@ void main() {
                                       8 * quarter + local;
         const uvec2 pixel = tile + in_tile;
         const bool inside = all(lessThanEqual(pixel, last)) && pixel.y >= first.y;
-        const bool made = nodes ? coarse && !clear && (kSoftEdges || has_thin == 0) && lane < kNodes * kNodes : inside;
+        const bool made = nodes ? coarse && !clear && (soft_edges || has_thin == 0) && lane < kNodes * kNodes : inside;
         float depth = 1;
         vec3 value = vec3(1);
         uint hash = 0;
         bool wanted = false; // True: the ray's shadows are asked for
         if (made) depth = texelFetch(view_depth, ivec2(pixel), 0).r;
         bool between = false; // True: the nodes tell the value
-        if (!nodes && coarse && !clear && (kSoftEdges || has_thin == 0)) {
+        if (!nodes && coarse && !clear && (soft_edges || has_thin == 0)) {
             between = isBetweenNodes(in_tile, 1 / depth, value);
             between = between && isBetweenEdges(in_tile);
-            if (kSoftEdges && !between) between = isSmoothed(in_tile, 1 / depth, value);
+            if (soft_edges && !between) between = isSmoothed(in_tile, 1 / depth, value);
         }
         wanted = made && !clear && !between;
         if (subgroupAny(wanted)) {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
 constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
-constexpr uint32_t kMostSteps = 12, kSharpLight = 2;           // of overload: all; those that give up sharp light
+constexpr uint32_t kMostSteps = 12;                            // of overload
 // Niceness. With 19 it would hardly get on beside other programs, and pictures wait for what it makes.
 constexpr int kNiceness = 10;
 // s of CPU time with the server's own priority. A driver that knows the shaders is done with most of them, and the
@@ -113,14 +113,11 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     const RenderSettings resting = settled(scene, costs, frame_budget_ms);
     compiling.compile(resting, false); // first: the server has compiled `planned` itself
     // What overload gives up, as eyes that move see it: before all else where it will.
-    const auto compileCoarser = [&](uint32_t most) {
-        for (const RenderSettings& way : coarserThan(planned, most)) compiling.compile(way, false);
-    };
-    if (planner.plan().chosen.ms() > frame_budget_ms) compileCoarser(kMostSteps / 2);
+    if (planner.plan().chosen.ms() > frame_budget_ms)
+        for (const RenderSettings& way : coarserThan(planned, kMostSteps / 2)) compiling.compile(way, false);
     compile(planned);
     compile(resting);
     compiling.compile(finer(planned), false); // while cameras rest and the medium moves
-    compileCoarser(kSharpLight);
     if (scene.render.rate != kAuto) return compiling.compileViews(planned);
     // Viewers near and far, with large and small pictures, together and alone.
     compile(planner.once(simulation, compiling.inside()).settings);

@@ -75,10 +75,10 @@ bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 value) {
     return abs(depth - inverse) <= kSamePlane * inverse && all(lessThanEqual(bend, kStraight * most));
 }
 
-const float kSameDepth = 0.15; // with kSoftEdges: most difference of inverse depths, as a part of the pixel's
+const float kSameDepth = 0.15; // with soft edges: most difference of inverse depths, as a part of the pixel's
 const float kLeastShare = 0.02; // of a node on the cell's other side
 
-// With kSoftEdges: the value between the four nodes around a pixel of the tile, of those whose surfaces lie about where
+// With soft edges: the value between the four nodes around a pixel of the tile, of those whose surfaces lie about where
 // its own does. False: there is none.
 bool isSmoothed(uvec2 pixel, float inverse, out vec3 value) {
     const uvec2 cell = min(pixel / kStep, uvec2(kNodes - 2));

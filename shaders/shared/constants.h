@@ -66,12 +66,11 @@ const uint kIdBlur = 42u;           // weights: kBlurRow14 and so on
 const uint kIdDown = 43u;           // bool: the blur goes down the columns; else along the rows
 
 // The picture.
-const uint kIdStep = 21u;      // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
-const uint kIdSoftEdges = 46u; // bool: RenderSettings::soft_edges
-const uint kIdDrawn = 22u;     // bool: `radiance` holds the medium already
-const uint kIdKeep = 23u;      // bool: the radiance of every pixel is stored for later reading
-const uint kIdFull = 24u;      // bool: R, G, B of all pixels instead of Y, Cb, Cr
-const uint kIdBlocks = 25u;    // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
+const uint kIdStep = 21u;   // pixels between neighbouring nodes of a picture that is shaded or drawn coarsely
+const uint kIdDrawn = 22u;  // bool: `radiance` holds the medium already
+const uint kIdKeep = 23u;   // bool: the radiance of every pixel is stored for later reading
+const uint kIdFull = 24u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
+const uint kIdBlocks = 25u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
 
 // Views of how a picture is made.
 const uint kIdShow = 50u; // what is drawn in place of the picture: kShowWasted and so on (show.h)

@@ -259,6 +259,7 @@ struct SlabGrid {
     float front_unit, back_unit; // m
     float fog_step;     // m of view depth; most that the light in fog is taken as linear on where particles shadow it
     float lamp_spacing; // RenderSettings::lamp_spacing; 0: rays hold no lamp's light
+    uint soft_edges;    // 1: RenderSettings::soft_edges
 };
 
 // One picture, or a band of its rows, whose passes run together with others. Its data begins at these indices, in
@@ -274,7 +275,7 @@ struct View {
     uint added;
     uint field;
     uint shaded;
-    uint padding[57]; // any view may be bound alone: offsets are multiples of 256 bytes
+    uint padding[56]; // any view may be bound alone: offsets are multiples of 256 bytes
 };
 
 // Which pixels probe.comp reads, and how they were drawn.
@@ -315,7 +316,7 @@ static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);
 static_assert(offsetof(View, map_rays) == sizeof(Eye)); // a uniform block may hold the two alone
 static_assert(sizeof(Opaque) == 48 && offsetof(Opaque, albedo) == 32);
-static_assert(sizeof(SlabGrid) == 88 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
+static_assert(sizeof(SlabGrid) == 92 && sizeof(View) == 512 && sizeof(MediumGrid) == 36);
 static_assert(sizeof(LightParticle) == 32 && sizeof(DrawArguments) == 28);
 } // namespace brume::gpu
 #endif

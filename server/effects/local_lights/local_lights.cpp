@@ -86,8 +86,7 @@ public:
                 vkCmdFillBuffer(commands.handle(), lit_.handle(), 0, lit_.size(), 0);
                 continue;
             }
-            const gpu::Program& program = program_.with(
-                constantsOf(group), {{gpu::kIdStep, step}, {gpu::kIdSoftEdges, in.shared->settings->soft_edges}});
+            const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
             program.bind(commands, group.resources, {group.blockOf(i)});
             const gpu::View& view = group.views[i];
             vkCmdDispatch(commands.handle(), gpu::groups(view.eye.size.x, gpu::kPixelTile),

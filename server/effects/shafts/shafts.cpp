@@ -30,8 +30,7 @@ public:
         if (!in.shared->features.casters) return;
         const gpu::Commands::Pass pass(commands, "shafts", group.view());
         const uint32_t step = pixelStep(in.shared->settings->shading, group.rate, in.medium->count > 0);
-        const gpu::Program& program = program_.with(
-            constantsOf(group), {{gpu::kIdStep, step}, {gpu::kIdSoftEdges, in.shared->settings->soft_edges}});
+        const gpu::Program& program = program_.with(constantsOf(group), {{gpu::kIdStep, step}});
         gpu::computeToCompute(commands.handle());
         for (uint32_t i = 0; i < group.count(); ++i) {
             program.bind(commands, group.resources, {group.blockOf(i)});

@@ -36,7 +36,7 @@ public:
         return fmt::format("grid, nodes {:.3g} deviations apart, {}", s.grid.spacing, raysText(s));
     }
     uint32_t shaders(const RenderSettings& settings) const override {
-        return 2 * kScatteringShaders * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);
+        return kScatteringShaders * uint32_t(isCubic(settings)) + RayPlan::shaders(settings);
     }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }

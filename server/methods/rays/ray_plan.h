@@ -61,9 +61,7 @@ public:
     bool hasRays() const override { return true; }
     bool drawsFogAndLocalLights() const override { return true; }
     bool drawsMultiple() const override { return true; }
-    uint32_t shaders(const RenderSettings& settings) const override {
-        return kScatteringShaders * uint32_t(settings.soft_edges) + scatteringShaders(settings);
-    }
+    uint32_t shaders(const RenderSettings& settings) const override { return scatteringShaders(settings); }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;
     // Half as far between rays and between slabs.

@@ -95,6 +95,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in, uint32_t sheet) {
     if (in.shared->features.casters) grid.caster_words = gpu::groups(in.shared->bodies, gpu::kWordCasters);
     grid.albedo = in.medium->extent->albedo;
     grid.lamp_spacing = in.shared->settings->lamp_spacing;
+    grid.soft_edges = in.shared->settings->soft_edges ? 1 : 0;
     if (in.shared->features.fog) addFogSlabs(grid, in);
     return grid;
 }
