@@ -14,8 +14,9 @@ constexpr float kApart = 0.3f, kShellsApart = 0.5f;
 // As many directions and distances has every volume of all directions, to the farthest particle. Others have at least
 // as many on the same angle and length.
 constexpr float kSide = 64, kShells = 48;
-constexpr float kConeShare = 16;  // how much more work a direction of a cone may take than one of all
-constexpr double kMostWork = 1e9; // numbers times pairs of a particle and a light; more only if they must
+constexpr float kCoarser = 4.0f / 3; // distance of directions, if they are coarse, over what it is else
+constexpr float kConeShare = 16;     // how much more work a direction of a cone may take than one of all
+constexpr double kMostWork = 1e9;    // numbers times pairs of a particle and a light; more only if they must
 // Most numbers of all volumes: those beyond the least directions and distances, and the least ones. Both together fit a
 // buffer of 128 MiB. Where there are more than 128 lights, each has fewer than the least.
 constexpr double kMostNumbers = 7 << 20, kMostOfLeast = 24 << 20;
@@ -72,7 +73,7 @@ gpu::LocalLight localLightBlock(const Light& light) {
 }
 
 uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t particles, uint32_t lights,
-                   uint32_t before) {
+                   uint32_t before, bool coarse) {
     const glm::vec3 from_lo = light.position - extent.lo, from_hi = light.position - extent.hi;
     const glm::vec3 outside = glm::max(glm::max(-from_lo, from_hi), 0.0f);
     const glm::vec3 farthest = glm::max(glm::abs(from_lo), glm::abs(from_hi));
@@ -80,7 +81,7 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t 
     const float length = std::clamp(light.range - near, 1e-3f, whole);
     setCone(light, extent);
     const float all = light.volume_cosine < -1 ? kOctahedron : std::sqrt(8 * (1 - light.volume_cosine)); // rad
-    const float apart = kApart * extent.deviation / (near + 0.5f * length);
+    const float coarser = coarse ? kCoarser : 1, apart = coarser * kApart * extent.deviation / (near + 0.5f * length);
     // Numbers that it may have. All directions of a narrow cone meet particles.
     const double share = std::min(kConeShare * (all / kOctahedron) * (all / kOctahedron), 1.0f);
     const double numbers =
@@ -91,7 +92,7 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t 
         const uint32_t steps = uint32_t(std::max(std::floor(bounded / step), std::ceil(double(least) / step)));
         return std::min(step * std::max(steps, 1u), most);
     };
-    float side = kSide, shells = kShells;
+    float side = kSide / coarser, shells = kShells;
     if (const double room = kMostOfLeast / std::max(lights, 1u); side * side * shells > room)
         shells = kFewShells, side = 16 * std::floor(float(std::sqrt(room / shells)) / 16);
     const float least_side = std::max(side * all / kOctahedron, 16.0f), least_shells = shells * length / whole;

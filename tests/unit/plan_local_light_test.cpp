@@ -84,6 +84,9 @@ TEST(LocalLightWork, ParticlesAreAddedToTheDepthOfEveryLightThatTheyDim) {
     const double one = work();
     EXPECT_GE(one, 400 * 64 * 64) << "of all directions there are at least so many";
     EXPECT_LE(one, 400 * double(gpu::kMostLightSide) * gpu::kMostLightSide);
+    RenderSettings coarse = settingsOf(4, 32);
+    coarse.lamp_spacing = kCoarseLamps;
+    EXPECT_LE(sharedWork(inputsOf(scene).scene, coarse)[costs::kLocalLightDepth], 0.7 * one);
     scene.lights.push_back(point({1, 0, 0}));
     const double two = work();
     EXPECT_GT(two, 1.5 * one);

@@ -121,7 +121,8 @@ private:
         const auto shadowing = uint32_t(std::ranges::count_if(in.now.lists.lights, &Light::shadows));
         for (const Light& light : in.now.lists.lights) {
             gpu::LocalLight& block = blocks_.emplace_back(localLightBlock(light));
-            if (particles > 0 && light.shadows) volumes += setVolume(block, in.extent, particles, shadowing, volumes);
+            if (particles > 0 && light.shadows)
+                volumes += setVolume(block, in.extent, particles, shadowing, volumes, hasCoarseVolumes(in.now.render));
         }
         return volumes;
     }

@@ -51,14 +51,14 @@ class Plan final : public EffectPlan {
 public:
     Plan() : EffectPlan({&costs::kLocalLightDepth, &costs::kLocalLight, &costs::kLitSurfaces}) {}
 
-    void addSharedWork(const PlanScene& scene, const RenderSettings& /*settings*/, Work& work) const override {
+    void addSharedWork(const PlanScene& scene, const RenderSettings& settings, Work& work) const override {
         if (scene.particles == 0) return;
         const auto shadows = [](const gpu::LocalLight& light) { return light.shadows != 0; };
         const auto lights = uint32_t(std::ranges::count_if(scene.local_lights, shadows));
         double directions = 0;
         for (gpu::LocalLight light : scene.local_lights) {
             if (!shadows(light)) continue;
-            setVolume(light, scene.extent, scene.particles, lights, 0);
+            setVolume(light, scene.extent, scene.particles, lights, 0, hasCoarseVolumes(settings));
             directions += double(light.volume_side) * light.volume_side;
         }
         work[costs::kLocalLightDepth] = directions * scene.particles;
