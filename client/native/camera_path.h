@@ -28,7 +28,7 @@ struct CameraPath {
 
 std::optional<PathKind> pathNamed(std::string_view name);
 std::string_view nameOf(PathKind kind);
-double secondsOf(PathKind kind); // of one round
+double secondsOf(PathKind kind); // duration of one round, s
 
 struct Ray {
     glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit

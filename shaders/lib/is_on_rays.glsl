@@ -5,7 +5,8 @@
 
 bool isOnRays(LocalLight light) {
     if (!kLampsOnRays) return false;
-    const float depth = -dot(light.position - eye.position, eye.back);
-    return raysHold(light.smooth_length, depth, float(grid.rate) * length(eye.ray_down), slabThickness(),
-                    grid.lamp_spacing);
+    // Two passes ask: one adds the light, the other leaves it out. `precise` rounds alike in both.
+    precise const float depth = -dot(light.position - eye.position, eye.back);
+    precise const float apart = float(grid.rate) * length(eye.ray_down);
+    return raysHold(light.smooth_length, depth, apart, slabThickness(), grid.lamp_spacing);
 }

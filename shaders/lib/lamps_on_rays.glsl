@@ -19,7 +19,7 @@ const float kThinSlab = 0.1; // optical depth up to which the depth toward a lig
 // of the slab; slope: by how much its extinction grows from begin to end, as a part of the mean.
 float ofLamp(LocalLight light, vec3 unit, float begin, float end, float depth, float slope) {
     const float closest = dot(light.position - eye.position, unit), length_of_slab = end - begin;
-    const vec3 offset = eye.position + closest * unit - light.position; // of the place closest to it
+    const vec3 offset = eye.position + closest * unit - light.position; // from the light to the ray's closest place
     const float square = dot(offset, offset) + light.radius * light.radius;
     const EquiangularPart part = equiangularPart(sqrt(square), begin - closest, end - closest);
     float lit, grows = slope - depth; // by how much what scatters grows from begin to end, as a part of the mean
@@ -28,7 +28,8 @@ float ofLamp(LocalLight light, vec3 unit, float begin, float end, float depth, f
         lit = opacity(depth) * exp(-particlesFrom(light, middle, length(middle)));
     } else {
         const vec3 from = offset + (begin - closest) * unit, to = offset + (end - closest) * unit;
-        const float light_in = particlesFrom(light, from, length(from)), light_out = particlesFrom(light, to, length(to));
+        const float light_in = particlesFrom(light, from, length(from));
+        const float light_out = particlesFrom(light, to, length(to));
         lit = scatterAnalytic(depth, light_in, light_out);
         grows -= light_out - light_in;
     }

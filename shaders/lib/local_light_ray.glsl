@@ -331,7 +331,8 @@ bool isAllOnRays(uint bin) {
     return true;
 }
 
-// The light of a pixel's ray, but for what rays hold. near_light: true if a light is so near that nodes may miss what it does.
+// The light of a pixel's ray, but for what rays hold. near_light: true if a light is so near that nodes may miss what
+// it does.
 vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
     near_light = false;
     const uint bin = binOf(pixel);

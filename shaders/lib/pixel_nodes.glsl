@@ -76,7 +76,7 @@ bool isBetweenNodes(uvec2 pixel, float inverse, out vec3 value) {
 }
 
 const float kSameDepth = 0.15; // with soft edges: most difference of inverse depths, as a part of the pixel's
-const float kLeastShare = 0.02; // of a node on the cell's other side
+const float kLeastShare = 0.02; // share that a node on the cell's other side still has
 
 // With soft edges: the value between the four nodes around a pixel of the tile, of those whose surfaces lie about where
 // its own does. False: there is none.

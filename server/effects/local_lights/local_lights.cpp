@@ -126,12 +126,14 @@ private:
         }
         return volumes;
     }
-    // True: no pixel has light that its rays do not hold.
+    // True: no pixel has light that its rays do not hold. Shaders round otherwise, so those that are on the edge are
+    // left to them.
     bool raysHoldAll(const gpu::View& view) const {
+        constexpr float kSurely = 0.999f;
         return std::ranges::all_of(blocks_, [&](const gpu::LocalLight& light) {
             const float depth = -glm::dot(light.position - view.eye.position, view.eye.back);
             return physics::raysHold(light.smooth_length, depth, float(view.grid.rate) * glm::length(view.eye.ray_down),
-                                     view.grid.thickness, view.grid.lamp_spacing);
+                                     view.grid.thickness, kSurely * view.grid.lamp_spacing);
         });
     }
     void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {
