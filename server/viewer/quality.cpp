@@ -23,15 +23,17 @@ QualityStep QualityControl::stepAt(uint32_t level) {
 }
 
 QualityStep QualityControl::deviceStepAt(uint32_t level) {
-    constexpr QualityStep kAll[kDeviceSteps] = {{100, false, 1}, {100, true, 1}, {100, true, 2}, {100, true, 4}};
+    constexpr QualityStep kAll[kDeviceSteps] = {{100, false, 1}, {100, true, 1}};
     return kAll[std::min(level, kDeviceSteps - 1)];
 }
 
 QualityStep QualityControl::step(bool keeps_size) const {
-    const QualityStep link = stepAt(level_), device = deviceStepAt(device_level_);
-    return keepingSize(
-        {std::min(link.quality, device.quality), link.half || device.half, std::max(link.every, device.every)},
-        keeps_size);
+    QualityStep least = linkStep(keeps_size);
+    const QualityStep device = deviceStepAt(device_level_);
+    least.quality = std::min(least.quality, device.quality);
+    least.half |= device.half && !keeps_size;
+    least.every = std::max(least.every, device.every);
+    return least;
 }
 
 QualityStep QualityControl::linkStep(bool keeps_size) const { return keepingSize(stepAt(level_), keeps_size); }
@@ -43,10 +45,9 @@ Reduced QualityControl::reduced() const {
 }
 
 bool QualityControl::observeDevice(const DeviceLoad& load, Clock::time_point now) {
-    // Going back from level 1 makes the picture four times as large: it takes as long as before, at most four times as
-    // long. From other levels it only comes more often, which makes no frame longer.
+    // Going back makes the picture four times as large: it takes as long as before, at most four times as long.
     const double more =
-        device_level_ == 1 && !stepAt(level_).half ? std::clamp(whole_size_ms_ - load.own_ms, 0.0, 3 * load.own_ms) : 0;
+        device_level_ > 0 && !stepAt(level_).half ? std::clamp(whole_size_ms_ - load.own_ms, 0.0, 3 * load.own_ms) : 0;
     const double most = kTooMuch * load.budget_ms;
     const bool over = load.exhausted && load.whole_ms > most && load.own_ms * load.viewers > load.budget_ms;
     const bool room = load.whole_ms == 0 || load.whole_ms + more < kSpare * most;

@@ -10,8 +10,8 @@
 
 namespace brume {
 
-// How far pictures are reduced. The order: first JPEG quality, from what the viewer asked for (75) down to 40; then
-// half the size; then every second, every fourth frame.
+// How far pictures are reduced. The order for a slow link: first JPEG quality, from what the viewer asked for (75) down
+// to 40; then half the size; then every second, every fourth tick.
 struct QualityStep {
     uint8_t quality = 100; // most JPEG quality; the viewer may ask for less
     bool half = false;     // True: half the width and half the height
@@ -28,11 +28,11 @@ struct DeviceLoad {
 
 class QualityControl {
 public:
-    static constexpr uint32_t kSteps = 7, kDeviceSteps = 4; // level 0 is the best
+    static constexpr uint32_t kSteps = 7, kDeviceSteps = 2; // level 0 is the best
     // The steps for a slow link, `level` < kSteps.
     static QualityStep stepAt(uint32_t level);
-    // The steps for a busy device, `level` < kDeviceSteps: half the size, then every second, fourth frame. JPEG
-    // quality costs the device nothing.
+    // The steps for a busy device, `level` < kDeviceSteps: half the size. JPEG quality costs the device nothing, and
+    // Schedule gives each viewer its part of the device's time.
     static QualityStep deviceStepAt(uint32_t level);
 
     // What happened since the last call of observe().
@@ -46,14 +46,14 @@ public:
     // - Link. One step down at once when it queues more than 50 ms, or when frames were held back or superseded. One
     //   step up after a second without. When a step up had to be taken back within two seconds, the next one waits
     //   twice as long, at most 16 s: pictures do not swing between two sizes.
-    // - Device. One step down at once if a frame of all viewers takes more than 1.5 budgets, the plan is exhausted,
-    //   and this viewer takes more than an equal share. One step up after a second in which the better step would
-    //   have left a fifth of that. A step up that is taken back makes the next one wait, as for the link.
+    // - Device. Half the size at once if a frame of all viewers takes more than 1.5 budgets, the plan is exhausted,
+    //   and this viewer takes more than an equal share. The whole size after a second in which that would have left a
+    //   fifth of it. If that is taken back, the next time is waited for longer, as for the link.
     bool observe(const Observation& seen, Clock::time_point now);
     uint32_t level() const { return level_; }
     uint32_t deviceLevel() const { return device_level_; }
-    // The lower of both levels' steps, in each part. `keeps_size`: true for a quarter of the rate in place of half the
-    // sides, which is as many pixels a second.
+    // The lower of both levels' steps, in each part. `keeps_size`: true for the whole size. A slow link then gets a
+    // quarter of the rate in place of half the sides, which is as many pixels a second.
     QualityStep step(bool keeps_size = false) const;
     // The link's step alone: of a picture that comes once, which is no load that lasts.
     QualityStep linkStep(bool keeps_size = false) const;

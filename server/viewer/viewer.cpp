@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/view_names.h"
+#include "server/sim/simulation.h"
 
 namespace brume {
 namespace {
@@ -22,6 +23,8 @@ double fitted(double part, double before) {
         if (side * side * (side > before ? 1.25 : 1) <= part) return side;
     return kSteps[std::size(kSteps) - 1];
 }
+
+std::chrono::duration<double> ticksLong(double ticks) { return std::chrono::duration<double>(ticks * kTickSeconds); }
 
 } // namespace
 
@@ -159,10 +162,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         held_back_ = held_back_ || pacing_.isHeldByBytes();
         return {};
     }
-    if (!still_picture && skipped_ + 1 < step.every) {
-        ++skipped_;
-        return {};
-    }
+    if (!still_picture && step.every > 1 && now - made_at_ < ticksLong(step.every - 0.5)) return {};
     return request;
 }
 
@@ -187,7 +187,6 @@ std::optional<Viewer::Due> Viewer::take(const PoseRequest& request, Clock::time_
                                         std::optional<uint64_t> scene) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || (pose_ && pose_->hidden)) return {};
-    skipped_ = 0;
     const bool repeats = made_ && made_->seq == request.seq;
     if (++issued_ == 0) ++issued_; // 0 is no frame
     pacing_.issued(issued_, now);

@@ -79,8 +79,7 @@ public:
         PoseRequest request;
         bool repeats = false; // True: an earlier frame answered this pose
     };
-    // The request that the next batch may draw; nothing: none is due. Call it once for each batch: a call counts as a
-    // frame, of which QualityStep::every skips some, and notes that the window of bytes was full.
+    // The request that the next batch may draw; nothing: none is due. It notes that the window of bytes was full.
     // - Nothing is due without a pose, while the viewer's window is hidden, or while a window of frames or bytes is
     // full.
     // - Nothing is due when the picture would equal the last one: the view and `scene`, a version of all that is seen,
@@ -155,7 +154,6 @@ private:
     Detail made_detail_ = Detail::moving; // its refinement
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made
     double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`
-    uint32_t skipped_ = 0;                // frames skipped since the last one, for QualityStep::every
     std::optional<DeviceLoad> device_;    // since the last observe()
     bool held_back_ = false;              // True: the window of bytes held a request back since then
     uint64_t superseded_seen_ = 0;        // Counts::superseded at the last observe()

@@ -18,7 +18,7 @@ uint32_t after(QualityControl& quality, Clock::time_point& now, milliseconds tim
     return quality.deviceLevel();
 }
 
-TEST(DeviceQuality, SizeThenRateAtOnceWhenNothingElseIsLeft) {
+TEST(DeviceQuality, SizeAtOnceWhenNothingElseIsLeft) {
     QualityControl quality;
     Clock::time_point now = kStart;
     const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 4, .exhausted = true};
@@ -26,27 +26,35 @@ TEST(DeviceQuality, SizeThenRateAtOnceWhenNothingElseIsLeft) {
     EXPECT_EQ(quality.deviceLevel(), 1u);
     EXPECT_TRUE(quality.step().half);
     EXPECT_EQ(quality.step().every, 1);
-    EXPECT_EQ(quality.step().quality, 100); // costs the device nothing
-    EXPECT_EQ(quality.level(), 0u);         // the link's own limit
-    EXPECT_EQ(after(quality, now, milliseconds(700), over), 3u);
-    EXPECT_EQ(quality.step().every, 4);
-    EXPECT_EQ(after(quality, now, milliseconds(2000), over), 3u); // the end
+    EXPECT_EQ(quality.step().quality, 100);                       // costs the device nothing
+    EXPECT_EQ(quality.level(), 0u);                               // the link's own limit
+    EXPECT_EQ(after(quality, now, milliseconds(2000), over), 1u); // the end
+    EXPECT_EQ(quality.step().every, 1) << "time between its pictures would make none of them shorter";
 }
 
-// As many pixels a second as with half the sides, at every level.
-TEST(DeviceQuality, WhoKeepsTheSizeGetsFewerPictures) {
+TEST(DeviceQuality, WhoKeepsTheSizeLosesNothingToTheDevice) {
     QualityControl quality;
     Clock::time_point now = kStart;
     const DeviceLoad over{.own_ms = 60, .whole_ms = 100, .budget_ms = 50, .viewers = 4, .exhausted = true};
+    ASSERT_EQ(after(quality, now, milliseconds(2000), over), 1u);
+    EXPECT_FALSE(quality.step(true).half);
     EXPECT_EQ(quality.step(true).every, 1);
-    for (int look = 0; look < 4; ++look, now += milliseconds(300)) {
-        quality.observe({.queue_ms = 100, .device = over}, now);
+}
+
+// As many pixels a second as with half the sides, at every level.
+TEST(LinkQuality, WhoKeepsTheSizeGetsFewerPictures) {
+    QualityControl quality;
+    Clock::time_point now = kStart;
+    EXPECT_EQ(quality.step(true).every, 1);
+    for (uint32_t look = 1; look < QualityControl::kSteps; ++look, now += milliseconds(300)) {
+        quality.observe({.queue_ms = 100}, now);
+        ASSERT_EQ(quality.level(), look);
         const QualityStep smaller = quality.step(false), slower = quality.step(true);
-        EXPECT_TRUE(smaller.half);
         EXPECT_FALSE(slower.half);
-        EXPECT_EQ(slower.every, 4 * smaller.every);
+        EXPECT_EQ(slower.every, (smaller.half ? 4 : 1) * smaller.every);
         EXPECT_EQ(slower.quality, smaller.quality);
     }
+    EXPECT_TRUE(quality.step(false).half);
 }
 
 TEST(DeviceQuality, WhatReducesAPictureIsKnown) {
@@ -58,7 +66,7 @@ TEST(DeviceQuality, WhatReducesAPictureIsKnown) {
     EXPECT_EQ(quality.reduced(), Reduced::device);
     for (int i = 0; i < 40; ++i) quality.observe({.queue_ms = 500, .device = over}, now += milliseconds(300));
     ASSERT_EQ(quality.level(), QualityControl::kSteps - 1);
-    EXPECT_EQ(quality.reduced(), Reduced::link) << "both are as small and as rare, and one has JPEG quality besides";
+    EXPECT_EQ(quality.reduced(), Reduced::link) << "both are as small, and one has JPEG quality and rate besides";
     QualityControl slow;
     slow.observe({.queue_ms = 500}, now += milliseconds(300));
     EXPECT_EQ(slow.reduced(), Reduced::link);
@@ -94,9 +102,9 @@ TEST(DeviceQuality, ComesBackWhenTheOthersHaveGoneHoweverDearItIs) {
     QualityControl quality;
     Clock::time_point now = kStart;
     const DeviceLoad over{.own_ms = 45, .whole_ms = 200, .budget_ms = 50, .viewers = 5, .exhausted = true};
-    ASSERT_EQ(after(quality, now, milliseconds(1000), over), 3u);
+    ASSERT_EQ(after(quality, now, milliseconds(1000), over), 1u);
     const DeviceLoad alone{.own_ms = 43, .whole_ms = 46, .budget_ms = 50, .viewers = 1, .exhausted = true};
-    EXPECT_EQ(after(quality, now, milliseconds(4500), alone), 0u);
+    EXPECT_EQ(after(quality, now, milliseconds(1500), alone), 0u);
 }
 
 // Each time it comes back there is too much again.

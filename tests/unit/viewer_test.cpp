@@ -103,6 +103,36 @@ TEST(Viewer, AnOvertakenFrameIsDropped) {
     EXPECT_EQ(viewer.counts().superseded, 2u);
 }
 
+// Where a frame takes longer than the ticks that a step leaves out, none is left out besides.
+TEST(Viewer, RateIsGivenUpInTimeNotInLooks) {
+    Viewer viewer(1, windowOf(2), nullptr);
+    viewer.setPose(poseWithSeq(1));
+    Clock::time_point now = Clock::now();
+    const auto present = [&] {
+        const auto due = takeDue(viewer, now);
+        if (!due) return false;
+        viewer.deliver(frameFor(*due, now));
+        viewer.takeFrame(now);
+        viewer.acknowledge(due->frame_id, now);
+        return true;
+    };
+    ASSERT_TRUE(present());
+    for (uint32_t step = 1; step < QualityControl::kSteps; ++step) { // a ping that waited in the link's queue
+        viewer.ponged(std::chrono::milliseconds(step == 1 ? 1 : 200), now += std::chrono::milliseconds(300));
+        viewer.observe(now);
+        ASSERT_TRUE(present()) << step;
+    }
+    viewer.ponged(std::chrono::milliseconds(200), now += std::chrono::milliseconds(300));
+    viewer.observe(now);
+    viewer.observe(now += std::chrono::milliseconds(300));
+    ASSERT_EQ(viewer.link().step.every, 4);
+    ASSERT_TRUE(present());
+    now += std::chrono::milliseconds(30);
+    EXPECT_FALSE(present()) << "two ticks later";
+    now += std::chrono::milliseconds(100);
+    EXPECT_TRUE(present()) << "the first look after six more";
+}
+
 TEST(Viewer, AbandoningGivesThePlaceBack) {
     Viewer viewer(1, windowOf(1), nullptr);
     viewer.setPose(poseWithSeq(1));
