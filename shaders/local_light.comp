@@ -4,8 +4,9 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 // Local light, per eye: radiance of the light of points and spots that the medium scatters toward the eye, up to the
-// pixel's surface (lib/local_light_ray.glsl). A workgroup makes a tile of 16x16 pixels. With kStep it computes one of
-// 4x4, and others only where those do not tell them: at edges, and near lights; with soft edges near lights alone.
+// pixel's surface (lib/local_light_ray.glsl). A workgroup makes a tile of 16x16 pixels. With kStep it computes nodes,
+// one pixel of 4x4. They hold the light of all lights but near ones, which every pixel computes. Other lights are
+// computed where nodes do not tell the pixel: at edges, unless these are soft.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 #include "shaders/lib/view.glsl"
@@ -37,8 +38,6 @@ const float kStraight = 0.02; // of the light
 #include "shaders/lib/pixel_nodes.glsl"
 #include "shaders/lib/spread.glsl"
 
-shared uint has_core; // 1: near_light of some node
-
 void main() {
     enterView(0);
     const bool soft_edges = grid.soft_edges != 0; // True: edges are smoothed over
@@ -47,7 +46,10 @@ void main() {
     const uvec2 tile = spreadGroup().xy * kPixelTile + uvec2(0, views[0].first);
     const uvec2 end = uvec2(eye.size.x, views[0].end);
     const bool coarse = kStep > 1 && all(lessThan(tile + kPixelTile, end)); // True: all nodes are in the picture
-    if (lane == 0) has_core = 0;
+    if (lane < lightWords()) near_lights[lane] = 0;
+    if (lane == 0) any_is_near = 0;
+    barrier();
+    if (coarse && lane < kNodes * kNodes) findNearLights(tile + kStep * uvec2(lane % kNodes, lane / kNodes));
     barrier();
     [[dont_unroll]] for (uint part = 0; part < 5; ++part) { // the nodes, then all pixels, 8x8 at a time
         const bool nodes = part == 0;
@@ -58,19 +60,18 @@ void main() {
         const bool made = nodes ? coarse && lane < kNodes * kNodes : all(lessThan(pixel, end));
         float depth = 1;
         if (made) depth = texelFetch(view_depth, ivec2(pixel), 0).r;
-        vec3 light;
-        bool near_light = false, between = false; // True: the nodes tell the light
-        if (!nodes && coarse && (soft_edges || has_core == 0)) {
+        vec3 light = vec3(0);
+        bool between = false; // True: the nodes tell the light
+        if (!nodes && coarse) {
             between = isBetweenNodes(in_tile, 1 / depth, light);
             if (soft_edges && !between) between = isSmoothed(in_tile, 1 / depth, light);
-            if (soft_edges && between && has_core != 0) between = !isNearAny(pixel);
+            if (!between) light = vec3(0);
         }
         if (made) {
-            if (!between) light = ofPixel(pixel, depth, near_light);
+            if (!between || any_is_near != 0) light += ofPixel(pixel, depth, !nodes, !between);
             if (nodes) {
                 node_value[lane] = light;
                 node_inverse[lane] = 1 / depth;
-                if (near_light) atomicOr(has_core, 1);
             } else {
                 lit[pixel.y * eye.size.x + pixel.x] = max(light, 0);
             }

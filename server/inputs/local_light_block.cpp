@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/scene_limits.h"
+#include "shaders/shared/lamps.h"
+
 namespace brume {
 namespace {
+
+static_assert(limits::kLocalLights.hi == physics::kMostLocalLights);
 
 constexpr float kEndless = 1e15f;   // m, a range
 constexpr float kWidest = 0.2f;     // cosine of the half angle of cones; wider ones are all directions

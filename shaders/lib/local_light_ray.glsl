@@ -9,6 +9,7 @@
 #include "shaders/blocks/tick.glsl"
 #include "shaders/lib/is_on_rays.glsl"
 #include "shaders/shared/equiangular.h"
+#include "shaders/shared/lamps.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/slab_growth.h"
 
@@ -28,6 +29,10 @@ const float kCore = 12;      // pixels around a light's image in which its glow 
 const float kThin = 6;       // pixels, half the width of cones and the falloff of layers that fall between nodes
 const uint kMostPieces = 700; // that a ray's part in one light is divided into
 const float kNoDepth = 1e-9;  // optical depth of a slab below which it counts as empty
+
+// Near lights of the workgroup's tile: those of which its nodes may miss something. A bit each, and 1 if there is one.
+shared uint near_lights[kMostLocalLights / 32];
+shared uint any_is_near;
 
 // The pixel's ray: places in m from the eye.
 vec3 ray_dir; // unit
@@ -312,14 +317,21 @@ bool isNear(LocalLight light) {
     return layer < kThin * pixel && abs(off.y) < kCore * pixel;
 }
 
-// True if a light is so near to the pixel's ray that nodes may miss what it does.
-bool isNearAny(uvec2 pixel) {
+// Finds lights that are so near to the pixel's ray that nodes may miss what they do.
+void findNearLights(uvec2 pixel) {
     ray_dir = normalize(rayDirection(vec2(pixel) + 0.5));
-    const uint bin = binOf(min(pixel, eye.size - 1));
-    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-            if (isNear(local_lights[32 * word + findLSB(bits)])) return true;
-    return false;
+    const uint bin = binOf(pixel);
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word) {
+        uint near = 0;
+        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+            const LocalLight light = local_lights[32 * word + findLSB(bits)];
+            if (!isOnRays(light) && isNear(light)) near |= bits & -bits;
+        }
+        if (near != 0) {
+            atomicOr(near_lights[word], near);
+            any_is_near = 1;
+        }
+    }
 }
 
 // True if rays hold the light of all that may reach a bin of pixels.
@@ -331,10 +343,8 @@ bool isAllOnRays(uint bin) {
     return true;
 }
 
-// The light of a pixel's ray, but for what rays hold. near_light: true if a light is so near that nodes may miss what
-// it does.
-vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
-    near_light = false;
+// The light of a pixel's ray of near lights, of the others, or of both; but for what rays hold.
+vec3 ofPixel(uvec2 pixel, float depth, bool of_near, bool of_others) {
     const uint bin = binOf(pixel);
     if (isAllOnRays(bin)) return vec3(0);
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
@@ -345,13 +355,13 @@ vec3 ofPixel(uvec2 pixel, float depth, out bool near_light) {
         fog_parts[i] = partInFog(i, eye.position, ray_dir, eye.near_depth * metres, ray_end);
     readParticles(ivec2(pixel), metres);
     vec3 sum = vec3(0);
-    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
+    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word) {
+        const uint near = near_lights[word], wanted = (of_near ? near : 0) | (of_others ? ~near : 0);
+        [[dont_unroll]] for (uint bits = light_bits[bin + word] & wanted; bits != 0; bits &= bits - 1) {
             const LocalLight light = local_lights[32 * word + findLSB(bits)];
-            if (isOnRays(light)) continue;
-            near_light = near_light || isNear(light);
-            sum += ofLight(light, ivec2(pixel));
+            if (!isOnRays(light)) sum += ofLight(light, ivec2(pixel));
         }
+    }
     return sum;
 }
 

@@ -6,6 +6,8 @@
 
 BRUME_PHYSICS_BEGIN
 
+const uint kMostLocalLights = 1024u;
+
 // True if neighbouring rays and slabs tell the light that particles scatter of a lamp: where it varies most they are at
 // most `most` of the length apart in which it varies. smooth_length: LocalLight::smooth_length, m; depth: view depth of
 // the lamp, m; apart: distance of rays, m per m of view depth; slab: thickness of slabs, m of view depth.
