@@ -71,6 +71,8 @@ float litBySlot(uint slot, vec3 x, vec3 toward) {
     return known ? part : isOccluded(x, toward, true) ? 0 : 1;
 }
 
+vec3 addedPart(uint i, vec3 x, vec3 away, float distance) { return vec3(arrivingPart(i, x, away, distance)); }
+
 float litPart(uint i, vec3 x, vec3 away) {
     return litBySlot(kShadows < kShadowsByGrid ? kNoShadowSlot : slot_of_light[i], x, -away);
 }

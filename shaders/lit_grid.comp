@@ -14,7 +14,7 @@ layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
 #include "shaders/blocks/local_lights.glsl"
 #include "shaders/blocks/tick.glsl"
-layout(scalar) writeonly buffer LitNodes { vec4 lit_nodes[]; };
+layout(scalar) writeonly buffer LitNodes { float lit_nodes[]; };
 layout(scalar) writeonly buffer SunNodes { float sun_nodes[]; };
 layout(scalar) readonly buffer Marks { uint marks[]; }; // lib/grid_marks.glsl
 
@@ -36,6 +36,52 @@ Eye eye; // what is included names it; nothing here reads it
 #include "shaders/lib/sun_at_node.glsl"
 #include "shaders/lib/spread.glsl"
 
+// The part of a light that arrives at x, past objects and through the medium.
+float arrivingPart(LocalLight light, vec3 x, vec3 away, float distance) {
+    if (light.shadows != 0 && kHasOpaque && isOccluded(x, -away, true)) return 0;
+    return exp(-(kHasFog ? fogFrom(light, away, distance) : 0) - particlesFromBeside(light, away, distance));
+}
+
+// True if a place within two spacings of x may have light of it: interpolation reads that far.
+bool shinesAround(LocalLight light, vec3 away, float distance) {
+    const vec3 bright = max(light.cos_outer > -1 ? dot(away, light.axis) : 0, 0) * light.axis;
+    const float off = length(away - bright);
+    const vec3 there = bright + (away - bright) * (max(off - 2 * push.lit.spacing, 0) / max(off, 1e-20));
+    return sentTo(light, there, length(there)) > 0 || distance <= 4 * push.lit.spacing;
+}
+
+// Writes the part of each light that arrives.
+void keepLights(vec3 x, uint at) {
+    [[dont_unroll]] for (uint i = 0; i < push.lit.numbers; ++i) {
+        const LocalLight light = local_lights[i];
+        const vec3 away = x - light.position;
+        const float distance = length(away);
+        const bool shines = shinesAround(light, away, distance);
+        lit_nodes[push.lit.numbers * at + i] = shines ? arrivingPart(light, x, away, distance) : 0;
+    }
+}
+
+// Writes the fluence of all lights, and unit directions times it.
+void keepFluence(vec3 x, uint at) {
+    vec3 fluence = vec3(0);
+    mat3 ways = mat3(0); // columns: red, green, blue
+    [[dont_unroll]] for (uint i = 0; i < tick.local_light_count; ++i) {
+        const LocalLight light = local_lights[i];
+        const vec3 away = x - light.position;
+        const float distance = length(away), kept = keptPart(distance);
+        const float sent = kept > 0 ? sentTo(light, away, distance) : 0;
+        if (!(sent > 0)) continue;
+        const float falls = 1 / (distance * distance + light.radius * light.radius);
+        const vec3 arrives = light.intensity * (kept * sent * falls * arrivingPart(light, x, away, distance));
+        fluence += arrives;
+        ways += outerProduct(away / distance, arrives);
+    }
+    [[unroll]] for (uint c = 0; c < 3; ++c) {
+        [[unroll]] for (uint i = 0; i < 3; ++i) lit_nodes[push.lit.numbers * at + 4 * c + i] = ways[c][i];
+        lit_nodes[push.lit.numbers * at + 4 * c + 3] = fluence[c];
+    }
+}
+
 void main() {
     const uvec3 brick = spreadGroup();
     const bool known =
@@ -45,24 +91,10 @@ void main() {
     [[dont_unroll]] for (uint z = 0; z < kSlabTile; ++z) {
         const uvec3 node = brick * kSlabTile + uvec3(gl_LocalInvocationID.xy, z);
         const vec3 x = push.lit.origin + push.lit.spacing * vec3(node);
-        vec3 fluence = vec3(0);
-        mat3 ways = mat3(0); // columns: red, green, blue
-        [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
-            const LocalLight light = local_lights[i];
-            const vec3 away = x - light.position;
-            const float distance = length(away), kept = keptPart(distance);
-            const float sent = kept > 0 ? sentTo(light, away, distance) : 0;
-            if (!(sent > 0)) continue;
-            if (light.shadows != 0 && kHasOpaque && isOccluded(x, -away, true)) continue;
-            const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
-            const float falls = 1 / (distance * distance + light.radius * light.radius);
-            const vec3 arrives = light.intensity * (kept * sent * falls * exp(-passed));
-            fluence += arrives;
-            ways += outerProduct(away / distance, arrives);
-        }
         const uint at = (node.z * size.y + node.y) * size.x + node.x;
         sun_nodes[at] = tick.sun.irradiance != vec3(0) ? sunAt(x) : 0;
-        if (kHasLocalLights)
-            [[unroll]] for (uint c = 0; c < 3; ++c) lit_nodes[3 * at + c] = vec4(ways[c], fluence[c]);
+        if (!kHasLocalLights) continue;
+        if (push.lit.keeps == kKeepsLights) keepLights(x, at);
+        else keepFluence(x, at);
     }
 }

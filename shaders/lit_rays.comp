@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
-// Methods `lit` and `gradients`, per eye: coarse rays that read the light which all viewers share, once in each slice,
-// however many lights there are. A lane is a ray.
+// Methods `lit` and `gradients`, per eye: coarse rays that read the light which all viewers share, once in each slice.
+// Of few lights each is added with the part of it that arrives; of many their fluence. A lane is a ray.
 #include "shaders/shared/constants.h"
 #include "shaders/shared/froxels.h"
 #include "shaders/shared/field.h"
@@ -24,7 +24,7 @@ layout(scalar) readonly buffer Nodes { float nodes[]; }; // written by grid_fill
 layout(scalar) writeonly buffer Volume { vec4 volume[]; };
 layout(scalar) readonly buffer Furthest { float furthest[]; }; // m, written by furthest_depths.comp
 layout(scalar) readonly buffer Marks { uint marks[]; };        // lib/grid_marks.glsl
-layout(scalar) readonly buffer LitNodes { vec4 lit_nodes[]; }; // by lit_grid.comp or radiance_nodes.comp
+layout(scalar) readonly buffer LitNodes { float lit_nodes[]; }; // by lit_grid.comp or radiance_nodes.comp
 layout(scalar) readonly buffer SunNodes { float sun_nodes[]; };
 
 layout(push_constant, scalar) uniform Push {
@@ -77,89 +77,71 @@ float sunBetween() {
     return mix(mix(here.x, here.y, node_part.x), mix(here.z, here.w, node_part.x), node_part.y);
 }
 
-vec4 sheetBetween(uint n, uint c) {
-    return mix(mix(lit_nodes[3 * n + c], lit_nodes[3 * (n + 1) + c], node_part.x),
-               mix(lit_nodes[3 * (n + node_row) + c], lit_nodes[3 * (n + node_row + 1) + c], node_part.x), node_part.y);
+// A number of the nodes around the place.
+float numberAt(uint corner, uint number) { return lit_nodes[push.lit.numbers * corner + number]; }
+float numberBetween(uint number) {
+    const uint n = first_node, m = n + node_sheet;
+    const vec4 below = vec4(numberAt(n, number), numberAt(n + 1, number), numberAt(n + node_row, number),
+                            numberAt(n + node_row + 1, number));
+    const vec4 above = vec4(numberAt(m, number), numberAt(m + 1, number), numberAt(m + node_row, number),
+                            numberAt(m + node_row + 1, number));
+    const vec4 here = mix(below, above, node_part.z);
+    return mix(mix(here.x, here.y, node_part.x), mix(here.z, here.w, node_part.x), node_part.y);
 }
 
-// What the kept light of a channel scatters. The more its directions agree, the more of it counts as coming from their
-// mean: for one light that is exact.
+// What the kept fluence of a channel scatters. The more its directions agree, the more of it counts as coming from
+// their mean: for one light that is exact.
 float scatteredBetween(uint c, vec3 even) {
-    const vec4 light = mix(sheetBetween(first_node, c), sheetBetween(first_node + node_sheet, c), node_part.z);
-    if (!(light.w > 0)) return 0;
-    const float directed = min(length(light.xyz), light.w);
-    float sum = (light.w - directed) * 0.07957747154594767 * even[c];
-    if (directed > 1e-4 * light.w) sum += directed * scatteredFrom(light.xyz / directed)[c];
+    const float fluence = numberBetween(4 * c + 3);
+    if (!(fluence > 0)) return 0;
+    const vec3 way = vec3(numberBetween(4 * c), numberBetween(4 * c + 1), numberBetween(4 * c + 2));
+    const float directed = min(length(way), fluence);
+    float sum = (fluence - directed) * 0.07957747154594767 * even[c];
+    if (directed > 1e-4 * fluence) sum += directed * scatteredFrom(way / directed)[c];
     return sum;
 }
 
-const uint kMostNear = 16;
-uint near_lights[kMostNear]; // lights whose near ball the ray meets
-uint near_count;
-bool all_near; // True: there are more
+float exact_part; // of a light: what is looked up where it scatters
+vec3 kept_part;   // and what nodes know of it
 
-void findNear() {
-    near_count = 0;
-    all_near = false;
+vec3 addedPart(uint i, vec3 x, vec3 away, float distance) {
+    return exact_part > 0 ? kept_part + exact_part * arrivingPart(i, x, away, distance) : kept_part;
+}
+
+// Adds lights one by one: with the parts that nodes keep of them, or what these leave out. in_grid: true if x is.
+void addLights(vec3 x, bool in_grid, float near, float far, inout vec3 scattered) {
+    const bool of_colours = in_grid && push.lit.keeps == kKeepsColours, of_lights = push.lit.keeps == kKeepsLights;
+    vec3 colours = vec3(0);
+    if (of_colours) [[unroll]] for (uint c = 0; c < 3; ++c) colours[c] = numberBetween(c);
     const uint bin = binOf(ray_pixel);
-    const float reach = 2 * push.lit.near * push.lit.spacing;
     [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
         [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
             const uint i = 32 * word + findLSB(bits);
-            const vec3 to = local_lights[i].position - eye.position;
-            const float along = dot(to, ray_unit);
-            if (dot(to, to) - along * along > reach * reach) continue;
-            if (near_count == kMostNear) all_near = true;
-            else near_lights[near_count++] = i;
+            const float kept = in_grid ? keptPart(length(x - local_lights[i].position)) : 0;
+            exact_part = 1 - kept;
+            kept_part = kept * colours;
+            if (in_grid && of_lights) kept_part = vec3(kept * numberBetween(i));
+            if (exact_part > 0 || kept_part != vec3(0)) scattered += ofLocalLight(i, near, far);
         }
-}
-
-// What a near light adds in the slice beyond what nodes keep of it.
-vec3 ofNearLight(uint i, vec3 x, float near, float far) {
-    const float kept = keptPart(length(x - local_lights[i].position));
-    return kept < 1 ? (1 - kept) * ofLocalLight(i, near, far) : vec3(0);
-}
-
-// All lights one by one, outside the grid.
-void addLights(vec3 x, float near, float far, inout vec3 scattered) {
-    const float through = tick.sun.irradiance != vec3(0) ? sunThrough(x) : 0;
-    if (through > 0 && !(kHasCasters && isOccluded(x, kFarAway * tick.sun.to_light, true)))
-        scattered += tick.sun.irradiance * through * scatteredFrom(-tick.sun.to_light);
-    if (!kHasLocalLights) return;
-    const uint bin = binOf(ray_pixel);
-    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-            scattered += ofLocalLight(32 * word + findLSB(bits), near, far);
 }
 
 void addSlice(float near, float far, inout vec3 scattered, out float depth) {
     depth = mediaOf(near, far, scattered);
     if (!(depth > 0)) return;
     const vec3 x = eye.position + 0.5 * (near + far) * ray_dir;
-    if (!enterNodes(x)) {
-        addLights(x, near, far, scattered);
-        return;
+    const bool in_grid = enterNodes(x);
+    if (tick.sun.irradiance != vec3(0)) {
+        float sun = in_grid ? sunBetween() : sunThrough(x);
+        if (!in_grid && kHasCasters && sun > 0 && isOccluded(x, kFarAway * tick.sun.to_light, true)) sun = 0;
+        if (sun > 0) scattered += tick.sun.irradiance * sun * scatteredFrom(-tick.sun.to_light);
     }
-    const float sun = tick.sun.irradiance != vec3(0) ? sunBetween() : 0;
-    if (sun > 0) scattered += tick.sun.irradiance * sun * scatteredFrom(-tick.sun.to_light);
     if (!kHasLocalLights) return;
-    vec3 even = of_particles;
-    [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) even += of_fogs[i];
-    [[dont_unroll]] for (uint c = 0; c < 3; ++c) scattered[c] += scatteredBetween(c, even);
-    [[dont_unroll]] for (uint i = 0; i < near_count; ++i) scattered += ofNearLight(near_lights[i], x, near, far);
-    if (all_near) {
-        const uint bin = binOf(ray_pixel);
-        uint passed = 0; // lights with a near ball that near_lights has
-        const float reach = 2 * push.lit.near * push.lit.spacing;
-        [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-            [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1) {
-                const uint i = 32 * word + findLSB(bits);
-                const vec3 to = local_lights[i].position - eye.position;
-                const float along = dot(to, ray_unit);
-                if (dot(to, to) - along * along > reach * reach) continue;
-                if (++passed > kMostNear) scattered += ofNearLight(i, x, near, far);
-            }
+    if (in_grid && push.lit.keeps == kKeepsFluence) {
+        vec3 even = of_particles;
+        [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) even += of_fogs[i];
+        [[dont_unroll]] for (uint c = 0; c < 3; ++c) scattered[c] += scatteredBetween(c, even);
     }
+    addLights(x, in_grid, near, far, scattered);
 }
 
 void main() {
@@ -167,6 +149,5 @@ void main() {
     const vec2 at = pixelOfRay(ray);
     ray_pixel = min(uvec2(at), eye.size - 1);
     ray_unit = normalize(rayDirection(at));
-    if (kHasLocalLights) findNear();
     march(ray);
 }

@@ -53,6 +53,7 @@ bool hasParticles() { return push.band.particles != 0; }
 const float kNothingSeen = 30; // optical depth behind which nothing is seen
 const float kGolden = 0.6180339887498949;
 
+vec3 addedPart(uint i, vec3 x, vec3 away, float distance) { return vec3(arrivingPart(i, x, away, distance)); }
 float litPart(uint i, vec3 x, vec3 away) { return isOccluded(x, -away, true) ? 0 : 1; }
 float sunlitPart(vec3 x) { return sunlitByMap(x); }
 

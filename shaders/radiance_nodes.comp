@@ -8,7 +8,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in; // kSlabTile
 
-layout(scalar) writeonly buffer LitNodes { vec4 lit_nodes[]; };
+layout(scalar) writeonly buffer LitNodes { float lit_nodes[]; };
 layout(scalar) writeonly buffer SunNodes { float sun_nodes[]; };
 layout(scalar) readonly buffer Samples { LightSample samples[]; };
 layout(scalar) readonly buffer States { uint states[]; };
@@ -105,13 +105,12 @@ void main() {
         value = isHow(kRadiance) ? max(value, 0) : clamp(value, 0, 1);
         sun_nodes[at] = min(value.w, 1);
         if (!kHasLocalLights) continue;
-        mat3 ways = mat3(0);
-        vec3 fluence = value.rgb;
-        if (!isHow(kRadiance)) {
-            fluence *= lightSent(x, ways);
-            [[unroll]] for (uint c = 0; c < 3; ++c) ways[c] *= value[c];
+        const bool fluence = push.lit.keeps == kKeepsFluence; // nothing is known of its directions
+        const uint first = push.lit.numbers * at;
+        [[unroll]] for (uint c = 0; c < 3; ++c) {
+            if (fluence) lit_nodes[first + 4 * c] = lit_nodes[first + 4 * c + 1] = lit_nodes[first + 4 * c + 2] = 0;
+            lit_nodes[first + (fluence ? 4 * c + 3 : c)] = value[c];
         }
-        [[unroll]] for (uint c = 0; c < 3; ++c) lit_nodes[3 * at + c] = vec4(ways[c], fluence[c]);
     }
     if (places_lit > 0) atomicAdd(counts[kPlacesLit], places_lit);
 }

@@ -26,16 +26,26 @@ vec3 scatteredFrom(vec3 travel) {
 // The part of a local light that objects let through to x, which lies `away` from it.
 float litPart(uint i, vec3 x, vec3 away);
 
+// The part of a local light that arrives at x, past objects and through the medium.
+float arrivingPart(uint i, vec3 x, vec3 away, float distance) {
+    const LocalLight light = local_lights[i];
+    const float part = light.shadows != 0 && kHasOpaque ? litPart(i, x, away) : 1;
+    if (!(part > 0)) return 0;
+    return part * exp(-(kHasFog ? fogFrom(light, away, distance) : 0) - particlesFrom(light, away, distance));
+}
+
+// The part of it that is added.
+vec3 addedPart(uint i, vec3 x, vec3 away, float distance);
+
 // What a point or a spot adds in the slice, if all is as at `place`. falls: its inverse square, 1/m^2.
 vec3 ofLightAt(uint i, vec3 place, float falls) {
     const LocalLight light = local_lights[i];
     const vec3 away = place - light.position;
     const float distance = length(away), sent = sentTo(light, away, distance);
     if (!(sent > 0)) return vec3(0);
-    const float part = light.shadows != 0 && kHasOpaque ? sent * litPart(i, place, away) : sent;
-    if (!(part > 0)) return vec3(0);
-    const float passed = (kHasFog ? fogFrom(light, away, distance) : 0) + particlesFrom(light, away, distance);
-    return light.intensity * (part * falls * exp(-passed)) * scatteredFrom(away / max(distance, 1e-20));
+    const vec3 part = addedPart(i, place, away, distance);
+    if (part == vec3(0)) return vec3(0);
+    return light.intensity * part * (sent * falls) * scatteredFrom(away / max(distance, 1e-20));
 }
 
 // The same with the mean of the inverse square over the slice. All else is looked up where half of the light comes from

@@ -25,3 +25,14 @@ float particlesFrom(LocalLight light, vec3 away, float distance) {
     const vec2 rows = mix(depths.xz, depths.yw, part.x);
     return tick.extinction * mix(rows.x, rows.y, part.y);
 }
+
+// The same, but beside the light's cone that of the cone's rim.
+float particlesFromBeside(LocalLight light, vec3 away, float distance) {
+    if (light.volume == kNoVolume) return 0;
+    const vec3 w = away / max(distance, 1e-20);
+    const float cosine = light.volume_cosine + 1e-5, along = dot(w, light.volume_axis);
+    if (along >= cosine) return particlesFrom(light, away, distance);
+    const vec3 aside = w - along * light.volume_axis;
+    const vec3 rim = cosine * light.volume_axis + sqrt(max(1 - cosine * cosine, 0)) * normalize(aside);
+    return particlesFrom(light, distance * rim, distance);
+}

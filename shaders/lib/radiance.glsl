@@ -15,7 +15,9 @@
 #include "shaders/lib/sun_at_node.glsl"
 
 const uint kMostSteps = 1024;    // of a march
-const float kAsideWeight = 1e-3; // least weight of a light beside its cone or too near, where no other one shines
+// Least weights of a light where no other one shines: of one that is too near, and of one that is beside its cone or out
+// of range. The former shines on places between the nodes.
+const float kNearWeight = 1e-3, kAsideWeight = 1e-9;
 
 bool isHow(uint bit) { return (push.how & bit) != 0; }
 
@@ -35,17 +37,11 @@ float marchedDepth(vec3 x, vec3 dir, float distance) {
     return width * sum;
 }
 
-// The same between a local light and a place. Beside the light's cone it is that of the cone's rim.
+// The same between a local light and a place.
 float particleDepth(LocalLight light, vec3 away, float distance) {
     if (light.shadows == 0 || tick.particle_count == 0) return 0;
-    const vec3 w = away / max(distance, 1e-20);
-    if (push.step > 0) return marchedDepth(light.position, w, distance);
-    if (light.volume == kNoVolume) return 0;
-    const float cosine = light.volume_cosine + 1e-5, along = dot(w, light.volume_axis);
-    if (along >= cosine) return particlesFrom(light, away, distance);
-    const vec3 aside = w - along * light.volume_axis;
-    const vec3 rim = cosine * light.volume_axis + sqrt(max(1 - cosine * cosine, 0)) * normalize(aside);
-    return particlesFrom(light, distance * rim, distance);
+    if (push.step > 0) return marchedDepth(light.position, away / max(distance, 1e-20), distance);
+    return particlesFromBeside(light, away, distance);
 }
 
 // The part of a light that arrives at a place, past objects and through the medium.
@@ -87,7 +83,7 @@ vec4 lightAt(vec3 x) {
             const float distance = length(away);
             const float falls = 1 / max(distance * distance + light.radius * light.radius, 1e-12);
             const vec3 aside = missing * light.intensity *
-                               (max(keptPart(distance), kAsideWeight) *
+                               (max(keptPart(distance), kNearWeight) *
                                 max(sentTo(light, away, distance), kAsideWeight) * falls);
             if (!(max(max(aside.r, aside.g), aside.b) > 0)) continue;
             all += aside;
@@ -97,19 +93,15 @@ vec4 lightAt(vec3 x) {
     return vec4(arrives / max(all, vec3(1e-30)), sun);
 }
 
-// All light of points and spots that nodes keep there if nothing is in its way: fluence of each colour, and unit
-// directions times it.
-vec3 lightSent(vec3 x, out mat3 ways) {
+// All light of points and spots that nodes keep there if nothing is in its way: fluence of each colour.
+vec3 lightSent(vec3 x) {
     vec3 all = vec3(0);
-    ways = mat3(0); // columns: red, green, blue
     [[dont_unroll]] for (uint i = 0; i < (kHasLocalLights ? tick.local_light_count : 0); ++i) {
         const LocalLight light = local_lights[i];
         const vec3 away = x - light.position;
         const float distance = length(away), sent = sentTo(light, away, distance);
         if (!(sent > 0)) continue;
-        const vec3 arrives = sent * fallenOff(light, distance);
-        all += arrives;
-        ways += outerProduct(away / max(distance, 1e-20), arrives);
+        all += sent * fallenOff(light, distance);
     }
     return all;
 }
@@ -132,11 +124,7 @@ float worthOf(vec4 off, vec3 x) {
     const float opacity = opacityAround(x);
     if (!(opacity > 0)) return 0;
     const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
-    vec3 sent = vec3(1);
-    if (!isHow(kRadiance)) {
-        mat3 ways;
-        sent = lightSent(x, ways);
-    }
+    const vec3 sent = isHow(kRadiance) ? vec3(1) : lightSent(x);
     const float local = dot(abs(off.rgb) * sent, luminance), sun = abs(off.w) * dot(tick.sun.irradiance, luminance);
     return opacity * (local + sun) / push.scale;
 }

@@ -9,9 +9,15 @@
 namespace brume::gpu {
 #endif
 
+// What nodes keep of points and spots, as numbers in a row:
+const uint kKeepsLights = 0u;     // of each light the part that arrives (0 ... 1)
+const uint kKeepsColours = 1u;    // of red, green and blue the part of all light that arrives (0 ... 1)
+const uint kKeepsFluence = 2u;    // of red, green and blue the sum of unit directions of light times its fluence, and
+                                  // the fluence (W/m^2)
+const uint kMostKeptLights = 16u; // of kKeepsLights
+
 // Nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a side. Each has the part of the sun's light that
-// arrives (0 ... 1), and of points and spots a vec4 for red, green and blue: the sum of the unit directions of their
-// light times its fluence, and the fluence (W/m^2).
+// arrives (0 ... 1), and what LitGridShape::keeps says of points and spots.
 // Lights nearer than `near` spacings are left out, and those up to twice as far in part: they are added exactly.
 struct LitGridShape {
     vec3 origin;   // m
@@ -19,12 +25,14 @@ struct LitGridShape {
     uvec3 bricks;
     uint particles; // 1: only bricks with particles are known, and the medium's nodes lie where these do
     float near;     // spacings, usually kNearNodes; 0: all light is kept
+    uint keeps;
+    uint numbers; // that a node keeps of points and spots
 };
 
 const float kNearNodes = 3.0f;
 
 #ifdef __cplusplus
-static_assert(sizeof(LitGridShape) == 36);
+static_assert(sizeof(LitGridShape) == 44);
 } // namespace brume::gpu
 #endif
 #endif

@@ -51,7 +51,7 @@ struct LightSampling {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LightSampling) == 116);
+static_assert(sizeof(LightSampling) == 124);
 static_assert(sizeof(LightSample) == 64);
 } // namespace brume::gpu
 #endif

@@ -313,6 +313,21 @@ TEST_F(FroxelsTest, LitKeepsTheLightOfEachColour) {
     }
 }
 
+// Where several lights of one colour meet, each keeps its own lobe.
+TEST_F(FroxelsTest, LitKeepsTheLobeOfEachLight) {
+    Scene scene = sceneOf(randomPoints(60, 5, 1.6f, 1.2f), 1.6f);
+    scene.medium.anisotropy = 1;
+    scene.medium.asymmetry = 0.6f;
+    scene.lights = {point({4, 3, 2}), point({-5, 1, 0}), point({1, -4, -3}), point({0, 2, -5})};
+    scene.render.froxels = {.pixels = 1, .slices = 128};
+    scene.render.method = "froxels";
+    const Picture each = render(device(), scene, kOutside, 80, 48);
+    scene.render.method = "lit";
+    const double off = differenceOf(render(device(), scene, kOutside, 80, 48), each);
+    std::printf("lit: %.2f %%\n", 100 * off);
+    EXPECT_LE(off, 0.01);
+}
+
 // Light at nodes follows the colour of a medium at rest.
 TEST_F(FroxelsTest, WhatIsKeptFollowsTheColourOfTheMedium) {
     BRUME_WHOLE_LAYER_ONLY();

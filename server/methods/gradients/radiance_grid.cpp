@@ -88,12 +88,14 @@ std::array<uint32_t, gpu::kLightCounts> RadianceGrid::countsSince() {
 void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
                           const GridPass& nodes) {
     const RadianceSettings& settings = tick.settings->radiance;
-    shape_ = litShape(tick, medium, nodes.grid(), settings.spacing, sizeof(glm::vec4));
-    if (settings.quantity == "radiance") shape_.near = 0; // all of it is interpolated
+    const bool fluence = settings.quantity == "radiance";
+    shape_ = litShape(tick, medium, nodes.grid(), settings.spacing, fluence ? gpu::kKeepsFluence : gpu::kKeepsColours,
+                      sizeof(glm::vec4));
+    if (fluence) shape_.near = 0; // all of it is interpolated
     const bool same = settings == settings_;
     settings_ = settings;
     if (key_.isSame(tick, medium, shape_) && same) return;
-    light_.atLeast(device_, shape_, tick.features.local_lights);
+    light_.atLeast(device_, shape_);
     if (shape_.bricks.x == 0) return;
 
     const gpu::Commands::Pass pass(commands, "radiance");

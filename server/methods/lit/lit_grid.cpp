@@ -14,12 +14,13 @@ namespace {
 constexpr double kNodesAcross = 96; // along the longest side of a box without particles
 constexpr double kCoarser = 1.26;
 
-// Of a node in the larger buffer of LitNodes.
-uint64_t bytesOfNode(bool local_lights) { return local_lights ? 3 * sizeof(glm::vec4) : sizeof(float); }
+uint32_t numbersOf(uint32_t keeps, size_t lights) {
+    if (lights == 0) return 0;
+    return keeps == gpu::kKeepsLights ? uint32_t(lights) : keeps == gpu::kKeepsColours ? 3 : 12;
+}
 
 gpu::LitGridShape shapeOver(const Bounds3& box, double spacing, uint64_t node_bytes) {
     gpu::LitGridShape shape{};
-    shape.near = gpu::kNearNodes;
     for (;; spacing *= kCoarser) {
         const glm::dvec3 first = glm::floor(box.lo / spacing), last = glm::ceil(box.hi / spacing);
         shape.origin = first * spacing;
@@ -43,11 +44,19 @@ uint64_t nodesOf(const gpu::LitGridShape& shape) {
 }
 
 gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
-                           float spacing, uint64_t node_bytes) {
-    node_bytes = std::max(node_bytes, bytesOfNode(tick.features.local_lights));
+                           float spacing, uint32_t keeps, uint64_t node_bytes) {
+    const uint32_t numbers = numbersOf(keeps, tick.features.local_lights ? tick.lights.size() : 0);
+    node_bytes = std::max<uint64_t>(node_bytes, std::max(numbers, 1u) * sizeof(float));
+    const auto kept = [&](gpu::LitGridShape shape) {
+        shape.near = gpu::kNearNodes;
+        shape.keeps = keeps;
+        shape.numbers = numbers;
+        return shape;
+    };
     if (!tick.features.fog && spacing == kAuto) {
-        const gpu::LitGridShape shape{nodes.origin, nodes.spacing, nodes.bricks, 1, gpu::kNearNodes};
-        if (node_bytes * nodesOf(shape) <= gpu::kLargestBinding) return shape;
+        const gpu::LitGridShape shape{
+            .origin = nodes.origin, .spacing = nodes.spacing, .bricks = nodes.bricks, .particles = 1};
+        if (node_bytes * nodesOf(shape) <= gpu::kLargestBinding) return kept(shape);
     }
     // Without fog there is nothing to light beside the particles.
     const Bounds3 box = tick.features.fog ? worldBox(tick, medium) : particlesOf(medium);
@@ -55,7 +64,7 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
     const glm::dvec3 size = box.hi - box.lo;
     double apart = std::max({size.x, size.y, size.z, 1e-3}) / kNodesAcross;
     if (medium.count > 0) apart = std::min(apart, double(nodes.spacing));
-    return shapeOver(box, spacing != kAuto ? double(spacing) : apart, node_bytes);
+    return kept(shapeOver(box, spacing != kAuto ? double(spacing) : apart, node_bytes));
 }
 
 bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu::LitGridShape& shape) {
@@ -69,20 +78,23 @@ bool LitKey::isSame(const TickInputs& tick, const MediumView& medium, const gpu:
     return same;
 }
 
-void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights) {
-    const uint64_t count = nodesOf(shape), bytes = local_lights ? count * bytesOfNode(true) : 0;
+void LitNodes::atLeast(const gpu::Device& device, const gpu::LitGridShape& shape) {
+    const uint64_t count = nodesOf(shape), bytes = count * shape.numbers * sizeof(float);
     nodes.atLeast(device, std::max<uint64_t>(bytes, gpu::kLeastBinding), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                   gpu::Memory::device, "lit nodes");
-    sun.atLeast(device, std::max<uint64_t>(count * bytesOfNode(false), gpu::kLeastBinding),
+    sun.atLeast(device, std::max<uint64_t>(count * sizeof(float), gpu::kLeastBinding),
                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "sunlit nodes");
 }
 
 LitGrid::LitGrid(const gpu::Device& device) : device_(device), program_(device, lit_grid_comp, "lit_grid") {}
 
 void LitGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes) {
-    shape_ = litShape(tick, medium, nodes.grid(), tick.settings->radiance.spacing);
+    const bool lobes = tick.features.lobe || tick.features.fog; // without them directions do not matter
+    const bool few = tick.lights.size() <= gpu::kMostKeptLights;
+    shape_ = litShape(tick, medium, nodes.grid(), tick.settings->radiance.spacing,
+                      lobes && few ? gpu::kKeepsLights : gpu::kKeepsFluence);
     if (key_.isSame(tick, medium, shape_)) return;
-    light_.atLeast(device_, shape_, tick.features.local_lights);
+    light_.atLeast(device_, shape_);
     if (shape_.bricks.x == 0) return;
     const gpu::Commands::Pass pass(commands, "lit grid");
     const struct {

@@ -14,10 +14,10 @@
 namespace brume {
 
 // Where the nodes lie: `spacing` m apart; kAuto: those of the medium where there are only particles; else in the box of
-// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit gpu::kLargestBinding
-// with `node_bytes` each, or LitNodes. No bricks where that box holds nothing.
+// the particles, or with fog of worldBox(). They are as much farther apart as they must be to fit gpu::kLargestBinding,
+// also with `node_bytes` each. No bricks where that box holds nothing. keeps: LitGridShape::keeps.
 gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, const gpu::MediumGrid& nodes,
-                           float spacing, uint64_t node_bytes = 0);
+                           float spacing, uint32_t keeps, uint64_t node_bytes = 0);
 
 // What the light at nodes was made of: it is kept while all of that is the same.
 class LitKey {
@@ -35,10 +35,10 @@ private:
 
 // The light at nodes: what lit_rays.comp reads.
 struct LitNodes {
-    gpu::Buffer nodes; // vec4[plane][row][node][channel]; nothing without local lights
+    gpu::Buffer nodes; // float[plane][row][node][number]; nothing without local lights
     gpu::Buffer sun;   // float[plane][row][node]
 
-    void atLeast(const gpu::Device& device, const gpu::LitGridShape& shape, bool local_lights);
+    void atLeast(const gpu::Device& device, const gpu::LitGridShape& shape);
 };
 uint64_t nodesOf(const gpu::LitGridShape& shape);
 
