@@ -38,6 +38,8 @@ const float kStraight = 0.02; // of the light
 #include "shaders/lib/pixel_nodes.glsl"
 #include "shaders/lib/spread.glsl"
 
+shared uint any_is_needed; // 1: a light may reach the tile that rays do not hold
+
 void main() {
     enterView(0);
     const bool soft_edges = grid.soft_edges != 0; // True: edges are smoothed over
@@ -47,8 +49,20 @@ void main() {
     const uvec2 end = uvec2(eye.size.x, views[0].end);
     const bool coarse = kStep > 1 && all(lessThan(tile + kPixelTile, end)); // True: all nodes are in the picture
     if (lane < lightWords()) near_lights[lane] = 0;
-    if (lane == 0) any_is_near = 0;
+    if (lane == 0) any_is_near = any_is_needed = 0;
     barrier();
+    for (uint i = lane; i < 4 * lightWords(); i += 64) { // of the bins of the tile's corners, and of its last nodes
+        const uvec2 corner = tile + kPixelTile * uvec2(i & 1, i >> 1 & 1);
+        if (isAnyNeeded(binOf(min(corner, eye.size - 1)), i / 4)) any_is_needed = 1;
+    }
+    barrier();
+    if (any_is_needed == 0) {
+        for (uint i = lane; i < kPixelTile * kPixelTile; i += 64) {
+            const uvec2 pixel = tile + uvec2(i % kPixelTile, i / kPixelTile);
+            if (all(lessThan(pixel, end))) lit[pixel.y * eye.size.x + pixel.x] = vec3(0);
+        }
+        return;
+    }
     if (coarse && lane < kNodes * kNodes) findNearLights(tile + kStep * uvec2(lane % kNodes, lane / kNodes));
     barrier();
     [[dont_unroll]] for (uint part = 0; part < 5; ++part) { // the nodes, then all pixels, 8x8 at a time

@@ -71,6 +71,7 @@ void main() {
     } else {
         uint known = all;
         [[dont_unroll]] for (uint q = kFieldDepth; q < fieldQuantities(); ++q) {
+            if (!isHeld(q)) continue;
             const Around here = around(node, fieldWhole(q), known, kHasFog && q != kFieldDepth);
             field[fieldSpline(q) + n] = here.coefficient;
             if (q == kFieldDepth) known = here.positive, deepest = here.most;

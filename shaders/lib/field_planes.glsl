@@ -18,6 +18,11 @@ uint fieldScattering() { return fieldScattering(fieldColours()); }
 uint fieldLamps() { return fieldLamps(fieldColours()); }
 uint fieldMultiple() { return fieldMultiple(fieldColours()); }
 uint fieldQuantities() { return fieldQuantities(fieldColours()); }
+// True if rays hold some lamp's light in this view. If not, its quantities are neither written nor read.
+bool areLampsHeld() { return kLampsOnRays && grid.lamp_spacing > 0; }
+bool isHeld(uint quantity) {
+    return !kLampsOnRays || quantity - fieldLamps() >= 3 || areLampsHeld(); // the difference of a smaller one wraps
+}
 
 uint fieldNodes() { return grid.nodes.x * grid.nodes.y; }
 FieldPlanes fieldPlanes() { return FieldPlanes(fieldQuantities(), kHasOpaque ? lastFace() + 1 : 0); }

@@ -334,19 +334,18 @@ void findNearLights(uvec2 pixel) {
     }
 }
 
-// True if rays hold the light of all that may reach a bin of pixels.
-bool isAllOnRays(uint bin) {
-    if (!kLampsOnRays) return false;
-    [[dont_unroll]] for (uint word = 0; word < lightWords(); ++word)
-        [[dont_unroll]] for (uint bits = light_bits[bin + word]; bits != 0; bits &= bits - 1)
-            if (!isOnRays(local_lights[32 * word + findLSB(bits)])) return false;
-    return true;
+// True if a light may reach a bin of pixels that rays do not hold, of those that a word has.
+bool isAnyNeeded(uint bin, uint word) {
+    uint bits = light_bits[bin + word];
+    if (!kLampsOnRays) return bits != 0;
+    [[dont_unroll]] for (; bits != 0; bits &= bits - 1)
+        if (!isOnRays(local_lights[32 * word + findLSB(bits)])) return true;
+    return false;
 }
 
 // The light of a pixel's ray of near lights, of the others, or of both; but for what rays hold.
 vec3 ofPixel(uvec2 pixel, float depth, bool of_near, bool of_others) {
     const uint bin = binOf(pixel);
-    if (isAllOnRays(bin)) return vec3(0);
     const vec3 dir = rayDirection(vec2(pixel) + 0.5);
     const float metres = length(dir);
     ray_dir = dir / metres;

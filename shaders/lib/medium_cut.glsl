@@ -65,7 +65,7 @@ void cutRay(inout MediumCut cut, MediumRun run, ivec2 pixel, vec3 dir, vec4 acro
     if ((run.steep || differs) && !keep_all) {
         const float end = kHasFog ? faceOnRay(z, dir) : linear;
         for (uint q = 0; q < fieldQuantities(); ++q)
-            if (!(keep_fog && q >= fieldFog())) ray[q] = max(cutAt(cut.ended[q], q, run, end, part), 0);
+            if (isHeld(q) && !(keep_fog && q >= fieldFog())) ray[q] = max(cutAt(cut.ended[q], q, run, end, part), 0);
         if (kHasFog) ray[kFieldDepth] += fogBefore(dir, z);
     }
 }

@@ -45,7 +45,8 @@ void moveRuns(ivec2 pixel, inout int cell, inout MediumRun run, inout MediumRun 
     run.at = rows.run;
     next.at = rows.next;
     for (uint q = 0; q < fieldQuantities(); ++q)
-        moveColumns(kRate == 1 ? fieldWhole(q) : fieldSpline(q), rows, beside, run.whole[q], next.whole[q]);
+        if (isHeld(q))
+            moveColumns(kRate == 1 ? fieldWhole(q) : fieldSpline(q), rows, beside, run.whole[q], next.whole[q]);
     if (!kHasOpaque) return;
     moveColumns(kRate == 1 ? fieldEnd() : fieldEndSpline(), rows, beside, run.ends, next.ends);
     run.steep = isSteep(run.at);
@@ -83,7 +84,7 @@ void wholeRay(MediumRun run, vec4 across, vec3 dir, float end, out float ray[kMo
         return;
     }
     for (uint q = kFieldSun; q < fieldQuantities(); ++q)
-        ray[q] = max(dot(across, run.whole[q]), 0) * opacity(ray[kFieldDepth]);
+        ray[q] = isHeld(q) ? max(dot(across, run.whole[q]), 0) * opacity(ray[kFieldDepth]) : 0;
 }
 
 // Radiance of the sun's light that particles and fogs scatter toward the eye. `ray`: the ray's quantities.
@@ -118,7 +119,7 @@ vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sun
     }
     if (kHasGlow)
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
-    if (kLampsOnRays)
+    if (areLampsHeld())
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldLamps() + c];
     return vec4(light, 0) + (1 - opaque_part) * behind;
 }

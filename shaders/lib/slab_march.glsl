@@ -35,7 +35,8 @@ vec4 drawnMedium(uint s) { return tick.extinction * mediumAt(s); }
 // Writes the quantities of a ray at faces `first` to `last`.
 void writeFaces(uint first, uint last, uint node, float sum[kMostFieldQuantities]) {
     for (uint face = first; face <= last; ++face)
-        for (uint q = 0; q < fieldQuantities(); ++q) field[fieldFace(q, face) + node] = sum[q];
+        for (uint q = 0; q < fieldQuantities(); ++q)
+            if (isHeld(q)) field[fieldFace(q, face) + node] = sum[q];
 }
 
 void march() {
@@ -62,7 +63,7 @@ void march() {
         last_face = uint(field[kept + 1]);
     }
     uvec2 slabs = startRay(group, ray, at);
-    if (kLampsOnRays) { // lanes work together in each slab
+    if (areLampsHeld()) { // lanes work together in each slab
         const uint end = subgroupMax(slabs.x < slabs.y ? slabs.y : 0);
         slabs = end == 0 ? uvec2(grid.slabs) : uvec2(subgroupMin(slabs.x), end);
     }
@@ -113,7 +114,7 @@ void march() {
         const bool waits = isLoneFog() && !(slab > 0) && face < last_face && (!kHasOpaque || face + 1 < first_face);
         if (kHasFog && !waits) passFog(sum, face, slab, light.z);
         vec3 lamps = vec3(0);
-        if (kLampsOnRays && subgroupAny(slab > 0))
+        if (areLampsHeld() && subgroupAny(slab > 0))
             lamps = lampsOfSlab(bin, march_dir, march_length, faceDepth(face), faceDepth(face + 1), slab, slope);
         if (slab > 0) {
             const float all = slab + (kHasFog ? fog_own : 0);
@@ -164,6 +165,7 @@ void march() {
         const float end = clamp(faceAt(surfaceDepth(at)), 0, float(lastFace()));
         const float face = min(floor(end), float(lastFace() - 1));
         for (uint q = 0; q < quantities; ++q) {
+            if (!isHeld(q)) continue;
             if (kHasFog && fog_ended) {
                 sum[q] = at_end[q];
                 continue;
@@ -183,5 +185,6 @@ void march() {
         return;
     }
     const float opaque_part = max(opacity(sum[kFieldDepth]), 1e-30);
-    for (uint q = kFieldSun; q < quantities; ++q) field[fieldWhole(q) + mine] = sum[q] / opaque_part;
+    for (uint q = kFieldSun; q < quantities; ++q)
+        if (isHeld(q)) field[fieldWhole(q) + mine] = sum[q] / opaque_part;
 }

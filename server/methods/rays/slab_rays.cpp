@@ -10,6 +10,7 @@
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
 #include "shaders/ray_ends_comp.h"
+#include "shaders/shared/lamps.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -66,6 +67,20 @@ void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
     grid.fog_step = kFogStep * in.medium->extent->deviation;
 }
 
+// RenderSettings::lamp_spacing; 0 where rays hold no lamp's light. Shaders round otherwise, so a lamp that is on the
+// edge counts.
+float lampSpacing(const EyeInputs& in, const gpu::SlabGrid& grid) {
+    constexpr float kPerhaps = 1.001f;
+    const float spacing = in.shared->settings->lamp_spacing;
+    const gpu::Eye& eye = in.block->eye;
+    const bool any = std::ranges::any_of(in.shared->lights, [&](const gpu::LocalLight& light) {
+        const float depth = -glm::dot(light.position - eye.position, eye.back);
+        return physics::raysHold(light.smooth_length, depth, float(grid.rate) * glm::length(eye.ray_down),
+                                 grid.thickness, kPerhaps * spacing);
+    });
+    return any ? spacing : 0;
+}
+
 // The grid of the whole picture, but for its rows. `sheet`: slabs that are filled together.
 gpu::SlabGrid gridOf(const EyeInputs& in, uint32_t sheet) {
     gpu::SlabGrid grid{};
@@ -94,7 +109,7 @@ gpu::SlabGrid gridOf(const EyeInputs& in, uint32_t sheet) {
     grid.thickness = (far - near) / float(grid.slabs);
     if (in.shared->features.casters) grid.caster_words = gpu::groups(in.shared->bodies, gpu::kWordCasters);
     grid.albedo = in.medium->extent->albedo;
-    grid.lamp_spacing = in.shared->settings->lamp_spacing;
+    grid.lamp_spacing = lampSpacing(in, grid);
     grid.soft_edges = in.shared->settings->soft_edges ? 1 : 0;
     if (in.shared->features.fog) addFogSlabs(grid, in);
     return grid;
