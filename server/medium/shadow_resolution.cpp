@@ -6,12 +6,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/scene_limits.h"
+
 namespace brume {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr size_t kMostSamples = 4096;
-constexpr double kMostCells = 1 << 24;
+constexpr double kMostCells = 1 << 25; // 179 MB: a layer of four planes has one of the layer before
+constexpr uint32_t kMostTexels = 1024; // of a side
+constexpr uint32_t kMostPlaneSteps = uint32_t(limits::kShadowSlices.hi) - 1;
 // Fewer would save nothing, and the estimate is a mean: what an eye is close to errs more.
 constexpr uint32_t kLeastTexels = 32, kLeastLayers = 18; // planes less one
 // Bins of standard deviations, by the exponent and two bits of the float: four an octave.
@@ -112,10 +116,10 @@ ShadowResolution shadowResolution(const RenderSettings& settings, const Shadowed
     // of texels.
     const double wanted = double(settings.shadow_error), width = double(std::max(extent.x, extent.y)),
                  depth = double(extent.z);
-    double texel = widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3), width / 1024,
-                          width / kLeastTexels);
-    double plane = widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3), depth / 126,
-                          depth / kLeastLayers);
+    double texel = widest([&](double h) { return medium.texelError(h); }, wanted * std::sqrt(2.0 / 3),
+                          width / kMostTexels, width / kLeastTexels);
+    double plane = widest([&](double h) { return medium.planeError(h); }, wanted * std::sqrt(1.0 / 3),
+                          depth / kMostPlaneSteps, depth / kLeastLayers);
 
     ShadowResolution result;
     const bool follows = settings.shadow_size == 0 || settings.shadow_slices == 0;
@@ -123,8 +127,8 @@ ShadowResolution shadowResolution(const RenderSettings& settings, const Shadowed
         for (int axis = 0; axis < 2; ++axis)
             result.texels[axis] = settings.shadow_size
                                       ? settings.shadow_size
-                                      : std::max(ladder(double(extent[axis]) / texel, 8, 1024), kLeastTexels);
-        result.slices = settings.shadow_slices ? settings.shadow_slices : ladder(depth / plane, 6, 126) + 1;
+                                      : std::max(ladder(double(extent[axis]) / texel, 8, kMostTexels), kLeastTexels);
+        result.slices = settings.shadow_slices ? settings.shadow_slices : ladder(depth / plane, 6, kMostPlaneSteps) + 1;
         cells = double(result.texels.x) * result.texels.y * result.slices;
     }
     if (!follows) result.texels = glm::uvec2(settings.shadow_size), result.slices = settings.shadow_slices;
