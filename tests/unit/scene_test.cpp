@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[render.isv]\nquadrature = \"transmittance\"\nsteps = 4", 3, "render.isv.steps", "4 is not",
               "from 1 to 3"},
         Wrong{"[render]\nshadow_slices = 1", 2, "render.shadow_slices", "1 is not",
-              "\"auto\", or a whole number from 2 to 128"},
+              "\"auto\", or a whole number from 2 to 193"},
         Wrong{"[render]\nshadow_size = 0", 2, "render.shadow_size", "0 is not",
               "\"auto\", or a whole number from 16 to 1024"},
         Wrong{"[render]\nrate = \"automatic\"", 2, "render.rate", "\"automatic\" is not",
