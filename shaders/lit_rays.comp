@@ -101,8 +101,8 @@ float scatteredBetween(uint c, vec3 even) {
     return sum;
 }
 
-float exact_part; // of a light: what is looked up where it scatters
-vec3 kept_part;   // and what nodes know of it
+float exact_part; // share of a light whose arriving part is looked up where it scatters
+vec3 kept_part;   // the rest of the light, times the arriving part that nodes keep
 
 vec3 addedPart(uint i, vec3 x, vec3 away, float distance) {
     return exact_part > 0 ? kept_part + exact_part * arrivingPart(i, x, away, distance) : kept_part;

@@ -51,9 +51,10 @@ void main() {
     if (lane < lightWords()) near_lights[lane] = 0;
     if (lane == 0) any_is_near = any_is_needed = 0;
     barrier();
-    for (uint i = lane; i < 4 * lightWords(); i += 64) { // of the bins of the tile's corners, and of its last nodes
+    // Bins of the tile's four corners hold all its pixels, and the nodes beyond them.
+    for (uint i = lane; i < 4 * lightWords(); i += 64) {
         const uvec2 corner = tile + kPixelTile * uvec2(i & 1, i >> 1 & 1);
-        if (isAnyNeeded(binOf(min(corner, eye.size - 1)), i / 4)) any_is_needed = 1;
+        if (isAnyNeeded(binOf(min(corner, eye.size - 1)), i / 4)) atomicOr(any_is_needed, 1);
     }
     barrier();
     if (any_is_needed == 0) {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr uint32_t kMostParticles = 100'000;                   // those of a second process take as much memory again
 constexpr uint32_t kHeights[] = {360, 180, 720, 90, 270, 540}; // pixels; widths in 16:9
-constexpr uint32_t kMostSteps = 12;                            // of overload
+constexpr uint32_t kMostSteps = 12;                            // steps of overload that are compiled, at most
 // Niceness. With 19 it would hardly get on beside other programs, and pictures wait for what it makes.
 constexpr int kNiceness = 10;
 // s of CPU time with the server's own priority. A driver that knows the shaders is done with most of them, and the

@@ -111,6 +111,12 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t 
     return light.volume_side * light.volume_side * light.volume_shells;
 }
 
+bool isHeldByRays(const gpu::LocalLight& light, const gpu::Eye& eye, const gpu::SlabGrid& grid, float most) {
+    const float depth = -glm::dot(light.position - eye.position, eye.back);
+    return physics::raysHold(light.smooth_length, depth, float(grid.rate) * glm::length(eye.ray_down), grid.thickness,
+                             most);
+}
+
 void setSmoothLengths(std::span<gpu::LocalLight> lights, std::span<const gpu::Particle> particles,
                       const MediumExtent& extent, float falloff, const SceneFeatures& features,
                       std::span<const Plane> planes) {

@@ -21,6 +21,10 @@ uint32_t setVolume(gpu::LocalLight& light, const MediumExtent& extent, uint32_t 
 // True: lamps are on rays that are as far apart as their light varies, and fewer directions are fine enough.
 inline bool hasCoarseVolumes(const RenderSettings& settings) { return settings.lamp_spacing >= 1; }
 
+// True if the rays of a grid hold what an eye sees of the light (shared/lamps.h). `most`: RenderSettings::lamp_spacing.
+// Shaders round otherwise: callers move `most` to the side where a light on the edge does no harm.
+bool isHeldByRays(const gpu::LocalLight& light, const gpu::Eye& eye, const gpu::SlabGrid& grid, float most);
+
 // Sets LocalLight::smooth_length of all. It is 0 with fog, which a lamp lights beside itself, and of lamps that objects
 // may shadow. Else it is the distance to the nearest particle; of a spot that times the angle in which its cone fades.
 // `extent`: of the particles. With more than two million pairs of a lamp and a particle its bounds are the nearest.

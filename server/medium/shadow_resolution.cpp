@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr size_t kMostSamples = 4096;
-constexpr double kMostCells = 1 << 25; // 179 MB: a layer of four planes has one of the layer before
-constexpr uint32_t kMostTexels = 1024; // of a side
-constexpr uint32_t kMostPlaneSteps = uint32_t(limits::kShadowSlices.hi) - 1;
+constexpr double kMostCells = 1 << 25; // texels of all planes: 179 MB, since four texels hold three planes' new values
+constexpr uint32_t kMostTexels = uint32_t(limits::kShadowSize.hi),
+                   kMostPlaneSteps = uint32_t(limits::kShadowSlices.hi) - 1;
 // Fewer would save nothing, and the estimate is a mean: what an eye is close to errs more.
 constexpr uint32_t kLeastTexels = 32, kLeastLayers = 18; // planes less one
 // Bins of standard deviations, by the exponent and two bits of the float: four an octave.

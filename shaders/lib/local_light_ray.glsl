@@ -329,7 +329,7 @@ void findNearLights(uvec2 pixel) {
         }
         if (near != 0) {
             atomicOr(near_lights[word], near);
-            any_is_near = 1;
+            atomicOr(any_is_near, 1);
         }
     }
 }

@@ -15,8 +15,8 @@
 #include "shaders/lib/sun_at_node.glsl"
 
 const uint kMostSteps = 1024;    // of a march
-// Least weights of a light where no other one shines: of one that is too near, and of one that is beside its cone or out
-// of range. The former shines on places between the nodes.
+// Least weights of a light where no other one shines. kNearWeight is of a light that is too near: it shines on places
+// between the nodes. kAsideWeight is of a light whose cone or range leaves the place out.
 const float kNearWeight = 1e-3, kAsideWeight = 1e-9;
 
 bool isHow(uint bit) { return (push.how & bit) != 0; }

@@ -10,11 +10,12 @@ namespace brume::gpu {
 #endif
 
 // What nodes keep of points and spots, as numbers in a row:
-const uint kKeepsLights = 0u;     // of each light the part that arrives (0 ... 1)
-const uint kKeepsColours = 1u;    // of red, green and blue the part of all light that arrives (0 ... 1)
-const uint kKeepsFluence = 2u;    // of red, green and blue the sum of unit directions of light times its fluence, and
-                                  // the fluence (W/m^2)
-const uint kMostKeptLights = 16u; // of kKeepsLights
+const uint kKeepsLights = 0u;  // one number for each light: the part of its light that arrives (0 ... 1)
+const uint kKeepsColours = 1u; // three: the part of all light that arrives, in red, green and blue (0 ... 1)
+// Twelve, four for each of red, green and blue: the sum of unit directions of light times its fluence, and the fluence
+// (W/m^2).
+const uint kKeepsFluence = 2u;
+const uint kMostKeptLights = 16u; // lights of kKeepsLights, at most
 
 // Nodes at origin + spacing * (0, 1, 2 ...), in bricks of kSlabTile a side. Each has the part of the sun's light that
 // arrives (0 ... 1), and what LitGridShape::keeps says of points and spots.

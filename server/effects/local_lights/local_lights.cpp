@@ -13,7 +13,6 @@
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
 #include "shaders/local_light_depth_comp.h"
-#include "shaders/shared/lamps.h"
 
 namespace brume::effects::local_lights {
 namespace {
@@ -131,9 +130,7 @@ private:
     bool raysHoldAll(const gpu::View& view) const {
         constexpr float kSurely = 0.999f;
         return std::ranges::all_of(blocks_, [&](const gpu::LocalLight& light) {
-            const float depth = -glm::dot(light.position - view.eye.position, view.eye.back);
-            return physics::raysHold(light.smooth_length, depth, float(view.grid.rate) * glm::length(view.eye.ray_down),
-                                     view.grid.thickness, kSurely * view.grid.lamp_spacing);
+            return isHeldByRays(light, view.eye, view.grid, kSurely * view.grid.lamp_spacing);
         });
     }
     void grow(gpu::Buffer& buffer, VkDeviceSize bytes, const char* name) const {

@@ -7,10 +7,10 @@
 
 #include "server/gpu/binding_sizes.h"
 #include "server/inputs/eye_request.h"
+#include "server/inputs/local_light_block.h"
 #include "server/medium/band_limit.h"
 #include "server/methods/rays/ray_plan.h"
 #include "shaders/ray_ends_comp.h"
-#include "shaders/shared/lamps.h"
 #include "shaders/slab_spline_comp.h"
 
 namespace brume {
@@ -72,11 +72,8 @@ void addFogSlabs(gpu::SlabGrid& grid, const EyeInputs& in) {
 float lampSpacing(const EyeInputs& in, const gpu::SlabGrid& grid) {
     constexpr float kPerhaps = 1.001f;
     const float spacing = in.shared->settings->lamp_spacing;
-    const gpu::Eye& eye = in.block->eye;
     const bool any = std::ranges::any_of(in.shared->lights, [&](const gpu::LocalLight& light) {
-        const float depth = -glm::dot(light.position - eye.position, eye.back);
-        return physics::raysHold(light.smooth_length, depth, float(grid.rate) * glm::length(eye.ray_down),
-                                 grid.thickness, kPerhaps * spacing);
+        return isHeldByRays(light, in.block->eye, grid, kPerhaps * spacing);
     });
     return any ? spacing : 0;
 }
