@@ -128,8 +128,8 @@ void FrameLoop::tick() {
     if (ticked_) ticked_(simulation, commands_, true);
 }
 
-// Those who asked for what cannot be are told. The report comes first, so that who was refused and asks for the scene is
-// given the state that refused it. A picture, which may take long, comes between a tick and its report otherwise.
+// Those who asked for what cannot be are told. The report comes first, so that who was refused and asks for the scene
+// is given the state that refused it. A picture, which may take long, comes between a tick and its report otherwise.
 void FrameLoop::tellRefused() {
     report(Clock::now());
     told_.stale = true; // the plan of the next picture

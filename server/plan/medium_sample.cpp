@@ -90,16 +90,30 @@ void MediumSample::lookAround(SampledParticle& at) const {
 }
 
 std::vector<SampledParticle> MediumSample::seenIn(const Pixels& pixels) const {
-    std::vector<SampledParticle> out = even_;
-    if (candidates_.empty()) return out;
+    if (candidates_.empty()) return even_;
     std::vector<std::pair<double, const SampledParticle*>> light; // pairs: added squared radiance, relative
     light.reserve(candidates_.size());
-    for (const SampledParticle& p : candidates_)
-        light.emplace_back(pixels(p.centre, p.deviation) * square(std::expm1(-p.depth)), &p);
+    for (const SampledParticle& p : candidates_) {
+        const double seen = pixels(p.centre, p.deviation) * square(std::expm1(-p.depth));
+        if (seen > 0) light.emplace_back(seen, &p);
+    }
+    if (light.empty()) return even_;
+    std::vector<SampledParticle> out;
+    if (2 * light.size() > candidates_.size()) {
+        out = even_;
+    } else { // few of the medium's sample may be in the picture: another of those that are, by their order in the
+             // medium
+        const size_t stride = (light.size() + kMostEven - 1) / kMostEven;
+        for (size_t i = 0; i < light.size(); i += stride) out.push_back(*light[i].second);
+        const double times = double(light.size()) / double(out.size());
+        for (SampledParticle& p : out) {
+            p.weight *= times, p.widened = p.deviation * std::cbrt(p.weight);
+            lookAround(p);
+        }
+    }
     const size_t count = std::min(kMostNear, light.size());
     std::ranges::nth_element(light, light.begin() + ptrdiff_t(count - 1), std::greater<>());
     for (size_t i = 0; i < count; ++i) {
-        if (light[i].first <= 0) continue;
         SampledParticle near = *light[i].second;
         std::erase_if(out, [&](const SampledParticle& p) { return p.centre == near.centre; });
         lookAround(near);

@@ -37,8 +37,8 @@ public:
     // At most 80 particles, evenly chosen. What is around them is summed over up to 512: some milliseconds.
     std::span<const SampledParticle> even() const { return even_; }
 
-    // Those, and up to 24 that stand for themselves: the ones of up to 32,768 whose light fills most of a picture.
-    // pixels(centre, deviation): how many of the picture's a particle covers.
+    // At most 80 of those in a picture, evenly chosen, and up to 24 that stand for themselves: the ones of up to 32,768
+    // whose light fills most of it. pixels(centre, deviation): how many of the picture's a particle covers.
     using Pixels = std::function<double(glm::dvec3 centre, double deviation)>;
     std::vector<SampledParticle> seenIn(const Pixels& pixels) const;
 

@@ -20,7 +20,8 @@ struct Disc {
     glm::dvec2 at{0};     // pixels
     double deviation = 0; // pixels
     double radiance = 0;  // at its centre, for an irradiance of 1
-    double share = 0;     // the part of it that is in the picture
+    double share = 0;     // the part of it that is in the picture, out to two deviations
+    bool reaches = false; // True: some of it may be in the picture, however faint
     bool cut = false;     // True: the near plane may cut it
     double oblique = 0;   // squared distance from the view axis and deviation, over squared depth
 };
@@ -36,23 +37,28 @@ public:
         axis_ = glm::dvec2(frustum.left, frustum.up) / pixel_;
     }
 
-    // Without its radiance. `deviation`: m. A particle behind the eye has no share.
+    // Without its radiance. `deviation`: m. Of a particle behind the eye nothing is in the picture.
     Disc operator()(glm::dvec3 centre, double deviation) const {
         const glm::dvec3 to = centre - eye_;
         const glm::dvec3 c(glm::dot(to, axes_[0]), -glm::dot(to, axes_[1]), -glm::dot(to, axes_[2]));
         Disc disc;
-        if (c.z + 2 * deviation <= double(kNearDepth)) return disc;
+        if (c.z + kFaint * deviation <= double(kNearDepth)) return disc;
         const double z = std::max({c.z, deviation, double(kNearDepth)});
         disc.deviation = deviation / (pixel_ * z);
         disc.cut = c.z < kReach * deviation;
         disc.at = glm::dvec2(c) / (pixel_ * z) + axis_;
-        disc.share = part(disc.at.x, 2 * disc.deviation, width_) * part(disc.at.y, 2 * disc.deviation, height_);
+        const auto shareOf = [&](double reach) {
+            return part(disc.at.x, reach * disc.deviation, width_) * part(disc.at.y, reach * disc.deviation, height_);
+        };
+        if (c.z + 2 * deviation > double(kNearDepth)) disc.share = shareOf(2);
+        disc.reaches = shareOf(kFaint) > 0;
         disc.oblique = (c.x * c.x + c.y * c.y + deviation * deviation) / (z * z);
         return disc;
     }
     glm::dvec3 eye() const { return eye_; }
 
 private:
+    static constexpr double kFaint = 5;   // deviations, to which a Gaussian is drawn
     static constexpr double kReach = 3.5; // deviations, beyond which a Gaussian has lost all but 0.05 % of its depth
 
     // The part of at ± reach that lies in 0 ... most.
@@ -132,8 +138,10 @@ SeenLight::SeenLight(const PlanScene& scene, const PlanView& view) {
     }
     const bool inside = isInside(scene.extent, view.pose.position);
     if (!(light > 0)) {
-        // A few of many particles may be seen, and none of the sample: as a mean one, off the axis.
-        if (all.empty() || all.front().weight <= 1) return;
+        // A few of many particles may be seen, and none of the sample; or of all the outermost alone. Then as a mean
+        // one, off the axis.
+        const auto reaches = [](const Disc& disc) { return disc.reaches; };
+        if (all.empty() || (all.front().weight <= 1 && std::ranges::none_of(discs, reaches))) return;
         sizes_[count_++] = {.projected = projectedDeviation(scene.extent, view),
                             .deviation = double(scene.extent.deviation),
                             .part = 1,

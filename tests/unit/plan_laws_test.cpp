@@ -129,6 +129,24 @@ TEST(SeenLight, TheExtinctionOfLoneParticlesIsTheirOwnAndOverlapAdds) {
     EXPECT_NEAR((meanOf(2000) - own) / (meanOf(200) - own), 10, 2.5); // all but the first term grows tenfold
 }
 
+// A picture that shows few of the medium's particles is judged by those.
+TEST(MediumSample, OfWhatAPictureShowsStandsForAllOfThat) {
+    const Scene scene = cube(5000, 3);
+    const Simulation simulation(scene);
+    const PlanScene plan = planScene(scene, simulation);
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    for (const glm::dvec3 middle : {glm::dvec3(3), glm::dvec3(-3, 2, 1), glm::dvec3(0, -4, 2)}) {
+        const auto isShown = [&](glm::dvec3 centre, double) { return glm::distance(centre, middle) < 2.5 ? 1.0 : 0.0; };
+        const auto shown = std::ranges::count_if(particles, [&](const auto& p) { return isShown(p.centre, 0) > 0; });
+        ASSERT_GT(shown, 24);
+        double stood_for = 0;
+        for (const SampledParticle& p : plan.medium_sample.seenIn(isShown))
+            if (isShown(p.centre, 0) > 0) stood_for += p.weight;
+        EXPECT_NEAR(stood_for, double(shown), 0.3 * double(shown)) << "up to 24 stand for themselves besides";
+    }
+}
+
 TEST(ViewWork, OfTheSampleStandsForAllParticles) {
     const Scene scene = cube(5000, 3);
     PlanInputs inputs = inputsOf(scene);
