@@ -19,6 +19,9 @@ public:
     // `quality`: 1 ... 100. `half_chroma`: true for 4:2:0 from R, G, B planes, too. Throws std::runtime_error if
     // libjpeg-turbo refuses (a picture without pixels).
     std::vector<uint8_t> encode(const PictureView& picture, int quality, bool half_chroma = false);
+    // Of one plane, in rows `stride` bytes apart. Throws as encode().
+    std::vector<uint8_t> encodeGrey(const uint8_t* plane, uint32_t width, uint32_t height, uint32_t stride,
+                                    int quality);
     // Bytes of scratch memory: about what the largest picture so far takes.
     uint64_t bytes() const { return scratch_.capacity() + rgb_.capacity(); }
     // Frees the scratch memory.
@@ -28,6 +31,9 @@ public:
     }
 
 private:
+    unsigned long makeRoom(uint32_t width, uint32_t height, int sampling);
+    std::vector<uint8_t> done(bool failed, unsigned long size) const;
+
     void* handle_;
     std::vector<uint8_t> scratch_, rgb_;
 };

@@ -10,10 +10,10 @@ namespace brume {
 struct PlaneLayout {
     uint32_t width = 0, height = 0;
     bool full = false; // R, G, B of every pixel, each as the plane of Y is laid out
-    uint32_t lumaStride() const { return (width + 7) / 8 * 8; } // bytes
+    constexpr uint32_t lumaStride() const { return (width + 7) / 8 * 8; } // bytes
     uint32_t chromaStride() const { return lumaStride() / 2; }
     uint32_t chromaHeight() const { return (height + 1) / 2; }
-    size_t lumaBytes() const { return size_t(lumaStride()) * height; }
+    constexpr size_t lumaBytes() const { return size_t(lumaStride()) * height; }
     size_t chromaBytes() const { return size_t(chromaStride()) * chromaHeight(); }
     size_t bytes() const { return lumaBytes() + 2 * (full ? lumaBytes() : chromaBytes()); }
 };

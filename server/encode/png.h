@@ -1,4 +1,4 @@
-// Encodes planes of R, G, B as PNG with libpng: 8 bits a channel, without loss.
+// Encodes planes as PNG with libpng: 8 bits a channel, without loss.
 #pragma once
 
 #include <cstdint>
@@ -11,5 +11,8 @@ namespace brume {
 // Returns the PNG; empty if it would be larger than `most` bytes. Throws std::runtime_error if libpng refuses (a
 // picture without pixels). Precondition: picture.layout.full.
 std::vector<uint8_t> encodePng(const PictureView& picture, size_t most);
+
+// Of one plane, in rows `stride` bytes apart. Throws std::runtime_error as above.
+std::vector<uint8_t> encodeGreyPng(const uint8_t* plane, uint32_t width, uint32_t height, uint32_t stride);
 
 } // namespace brume

@@ -31,7 +31,9 @@ inline gpu::Constants constantsOf(const SceneFeatures& features, const gpu::Fiel
     return all;
 }
 inline gpu::Constants constantsOf(const ViewGroup& group) {
-    return constantsOf(group.any->shared->features, group.colours, group.rate);
+    gpu::Constants all = constantsOf(group.any->shared->features, group.colours, group.rate);
+    all.push_back({gpu::kIdDepthLayers, group.depth_layers});
+    return all;
 }
 
 } // namespace brume

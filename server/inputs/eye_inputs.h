@@ -39,6 +39,7 @@ struct EyeInputs {
     // levels of detail. And MediumView::resources.
     gpu::Resources resources;
     uint64_t history = 0;        // EyeRequest::history
+    uint32_t depth_layers = 0;   // EyeRequest::depth_layers
     bool near_plane_cuts = true; // True: the near plane may cut particles
     bool for_both_eyes = false;  // True: this eye's order is for both eyes of its head
     bool order_ready = false;    // True: DepthOrder holds this eye's order already, no sort is needed

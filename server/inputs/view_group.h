@@ -19,6 +19,7 @@ struct ViewGroup {
     uint32_t rate = 1;                        // pixels between neighbouring rays of the fields
     gpu::FieldColours colours{1, 0, 0, 0, 0}; // of the fields (shaders/shared/field.h)
     uint32_t step = 1;                        // pixels between those that are shaded
+    bool depth_layers = false;                // True: some of the views have layers with depth
     VkDeviceSize bins = 0;                    // 32-bit words of bin bits for all views together
     const gpu::Buffer* field = nullptr;       // rays of these views (shaders/shared/field.h), written by the method;
                                               // null: it draws into RenderTarget::radiance

@@ -23,7 +23,8 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
     : device_(device), scene_(scene), objects_(device, scene), meshes_(device, scene.triangles), besides_(besides),
       upload_(device, capacity), effects_(makeEffects({device, scene_, capacity})),
       surfaces_(device, objects_.counts(), !scene.triangles.empty()), depth_order_(device, capacity), compose_(device),
-      probe_(device), cells_(device), nearest_(device, VK_FILTER_NEAREST), targets_(device), coarse_targets_(device) {
+      probe_(device), cells_(device), depth_layers_(device), nearest_(device, VK_FILTER_NEAREST), targets_(device),
+      coarse_targets_(device) {
     if (scene.tetrahedra) tetrahedra_.emplace(device, scene.tetrahedra);
 }
 
@@ -77,6 +78,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     s.uniforms_.flush();
     const std::span<const ViewGroup> groups = groupsOf(method);
     compose_.prepare(groups, eyes);
+    takeLayers(s, groups, eyes);
     if (hasMedium()) method.recordTick(s.commands, shared_, *inputs_.front().medium);
     const EyeInputs* before = nullptr;
     for (const ViewGroup& group : groups) {
@@ -103,7 +105,8 @@ uint64_t Renderer::pictureBytes(std::span<const EyeRequest> eyes, bool full, con
     for (const EffectPlan* effect : effectPlans()) of_pixel += effect->bytesOfPixel(features);
     uint64_t planes = 0, target = 0;
     for (const EyeRequest& eye : eyes) {
-        planes += PlaneLayout{eye.width, eye.height, full}.bytes();
+        planes +=
+            PlaneLayout{eye.width, eye.height, full}.bytes() + depthLayerBytes(eye.width, eye.height, eye.depth_layers);
         target = std::max(target, of_pixel * eye.width * eye.height);
     }
     return planes + target;
@@ -176,7 +179,7 @@ void Renderer::placePictures(Submission& s, std::span<const EyeRequest> eyes, bo
     s.pictures_.clear();
     for (const EyeRequest& eye : eyes) {
         s.pictures_.push_back({{eye.width, eye.height, full}, nullptr});
-        bytes += s.pictures_.back().layout.bytes();
+        bytes += s.pictures_.back().layout.bytes() + depthLayerBytes(eye.width, eye.height, eye.depth_layers);
     }
     if (bytes > mostPictureBytes(device_))
         throw gpu::Error("pictures of " + std::to_string(bytes >> 20) + " MiB together, the device allows " +
@@ -187,6 +190,7 @@ void Renderer::placePictures(Submission& s, std::span<const EyeRequest> eyes, bo
     s.planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "planes readback");
     planes_.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
                     gpu::Memory::device, "planes");
+    planes_bytes_ = bytes;
     VkDeviceSize at = 0;
     views_.assign(eyes.size(), {});
     for (size_t i = 0; i < eyes.size(); ++i) {
@@ -195,6 +199,8 @@ void Renderer::placePictures(Submission& s, std::span<const EyeRequest> eyes, bo
         views_[i].end = eyes[i].height;
         picture.bytes = s.planes_.mapped<uint8_t>(picture.layout.bytes(), at).data();
         at += picture.layout.bytes();
+        DepthLayers::place(eyes[i], features_.opaque, at, views_[i].layers);
+        at += depthLayerBytes(eyes[i].width, eyes[i].height, eyes[i].depth_layers);
     }
     compose_.fullColour(full);
     if (hues_.size() == 1 || !compose_.keepsRadiance()) return;
@@ -203,6 +209,19 @@ void Renderer::placePictures(Submission& s, std::span<const EyeRequest> eyes, bo
         for (const EyeRequest& eye : drawsCoarsely() ? eyes : drawn_)
             kept.atLeast(device_, VkDeviceSize(eye.width) * eye.height * sizeof(glm::vec4),
                          VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback, "radiance of a hue");
+}
+
+// Where the layers of each eye's picture will be.
+void Renderer::takeLayers(Submission& s, std::span<const ViewGroup> groups, std::span<const EyeRequest> eyes) const {
+    s.layers_.assign(eyes.size(), {});
+    for (size_t i = 0; i < eyes.size(); ++i) {
+        if (eyes[i].depth_layers == 0) continue;
+        const gpu::View* own = &views_[i];
+        for (const ViewGroup& group : groups)
+            for (const gpu::View& view : group.views)
+                if (view.planes == own->planes && view.layers.count > 0) own = &view;
+        s.layers_[i] = DepthLayers::viewOf(*own, s.planes_.mapped<uint8_t>(s.planes_.size()).data());
+    }
 }
 
 // What all eyes share, but for what effects give.
@@ -251,6 +270,7 @@ void Renderer::gatherEyes(const UniformBlocks& blocks, std::span<const EyeReques
               .pose = drawn_[i].pose,
               .block = &views_[i],
               .history = eyes[i].history,
+              .depth_layers = eyes[i].depth_layers,
               .near_plane_cuts = nearPlaneCuts(upload_.tick(), eyes[i])};
         in.resources = gpu::Resources(&in.medium->resources);
         in.resources.give(blocks.drawnEye(i));
@@ -287,7 +307,7 @@ void Renderer::recordReadBack(Submission& s) {
     const gpu::Commands::Pass pass(s.commands, "read back");
     const VkCommandBuffer cmd = s.commands.handle();
     gpu::computeToTransfer(cmd);
-    const VkBufferCopy copy{0, 0, views_.back().planes * sizeof(uint32_t) + s.pictures_.back().layout.bytes()};
+    const VkBufferCopy copy{0, 0, planes_bytes_};
     vkCmdCopyBuffer(cmd, planes_.handle(), s.planes_.handle(), 1, &copy);
     gpu::transferToHost(cmd);
 }

@@ -17,6 +17,7 @@
 #include "server/opaque/object_buffers.h"
 #include "server/opaque/surfaces.h"
 #include "server/render/compose.h"
+#include "server/render/depth_layers.h"
 #include "server/render/drawn_cells.h"
 #include "server/render/probe.h"
 #include "server/render/targets.h"
@@ -35,10 +36,14 @@ public:
         planes_.invalidate();
         return pictures_;
     }
+    // The layers with depth of each; without any of an eye that asked for none. Precondition as for pictures(), which
+    // comes first.
+    std::span<const DepthLayersView> layers() const { return layers_; }
     uint64_t pictureBytes() const { return planes_.size(); }
     // Frees the memory of the pictures. Precondition: nobody reads them, and it is not on the device.
     void giveBack() {
         pictures_.clear();
+        layers_.clear();
         planes_ = {};
     }
 
@@ -49,6 +54,7 @@ private:
     friend class Renderer;
     gpu::Buffer particles_, uniforms_, planes_;
     std::vector<PictureView> pictures_;
+    std::vector<DepthLayersView> layers_;
 };
 
 class Renderer {
@@ -112,6 +118,7 @@ private:
     // True: surfaces are drawn at every pixel and the medium at every step_-th, with what lies between interpolated.
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void placePictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
+    void takeLayers(Submission& submission, std::span<const ViewGroup> groups, std::span<const EyeRequest> eyes) const;
     void gatherTick();
     void gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
@@ -139,8 +146,10 @@ private:
     Compose compose_;
     Probe probe_;
     DrawnCells cells_;
+    DepthLayers depth_layers_;
     gpu::Sampler nearest_;
     gpu::Buffer planes_;
+    VkDeviceSize planes_bytes_ = 0; // of the present submission
     Targets targets_, coarse_targets_;
 
     // A method, and the settings that it was compiled for.

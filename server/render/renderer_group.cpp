@@ -21,6 +21,7 @@ void Renderer::recordGroup(Submission& s, Method& method, const ViewGroup& group
         drawn.field = nullptr; // the target has it all
         compose_.record(s.commands, drawn);
     }
+    depth_layers_.record(s.commands, group);
     if (hasMedium() && !s.probe.pixels.empty()) probe_.record(s.commands, drawn, s.probe, views_[s.probe.eye]);
 }
 

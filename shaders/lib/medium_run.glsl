@@ -104,10 +104,9 @@ vec3 sunLight(vec3 dir, float ray[kMostFieldQuantities]) {
     return light;
 }
 
-// Radiance of the medium in front of `behind` and its transmittance, along `dir`. `ray`: the ray's quantities.
-// `sunlit`: the part of the sun's light that objects do not shadow.
-vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sunlit) {
-    const float opaque_part = opacity(ray[kFieldDepth]);
+// Radiance of the medium along `dir`. `ray`: its quantities. `opaque_part`: what it hides. `sunlit`: the part of the
+// sun's light that objects do not shadow.
+vec3 mediumLight(vec3 dir, float ray[kMostFieldQuantities], float opaque_part, vec3 sunlit) {
     vec3 light = sunlit * sunLight(dir, ray);
     if (kSunColours == 1 && kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
     for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
@@ -121,5 +120,11 @@ vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sun
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
     if (areLampsHeld())
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldLamps() + c];
-    return vec4(light, 0) + (1 - opaque_part) * behind;
+    return light;
+}
+
+// Radiance of the medium in front of `behind` and its transmittance.
+vec4 mediumOver(vec4 behind, vec3 dir, float ray[kMostFieldQuantities], vec3 sunlit) {
+    const float opaque_part = opacity(ray[kFieldDepth]);
+    return vec4(mediumLight(dir, ray, opaque_part, sunlit), 0) + (1 - opaque_part) * behind;
 }

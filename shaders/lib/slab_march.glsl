@@ -16,6 +16,7 @@
 #include "shaders/lib/lamps_on_rays.glsl"
 #include "shaders/lib/multiple.glsl"
 #include "shaders/lib/spread.glsl"
+#include "shaders/lib/layer_cuts.glsl"
 
 // The value before the first four of a row, as they go on: by a cubic where they are smooth, by a parabola where the
 // cubic's term is large. The near plane cuts particles anywhere, and the first slab has no neighbour in front.
@@ -31,6 +32,16 @@ const float kLeastSlab = 1e-3;
 
 // The medium's quantities at the middle of slab s, in the channels that are drawn.
 vec4 drawnMedium(uint s) { return tick.extinction * mediumAt(s); }
+
+// What a ray's particles hide up to the face `end`: a part of 1.
+float hiddenBefore(uvec2 slabs, float end) {
+    float depth = 0;
+    for (uint face = slabs.x; face < slabs.y && float(face) < end; ++face) {
+        const uint s = face - frontSlabs();
+        if (s < grid.slabs) depth += drawnMedium(s)[kExtinction];
+    }
+    return opacity(depth * march_length * slabThickness());
+}
 
 // Writes the quantities of a ray at faces `first` to `last`.
 void writeFaces(uint first, uint last, uint node, float sum[kMostFieldQuantities]) {
@@ -70,6 +81,17 @@ void march() {
     slabs = kHasFog ? uvec2(0, last_face) : min(slabs, uvec2(last_face));
     if (kHasOpaque && inside) writeFaces(first_face, slabs.x, mine, sum);
     if (kHasFog) startFog(kHasOpaque ? surfaceDepth(at) : kEndless);
+    uint layered_end = 0; // face behind the last slab in front of the surface, of a ray that is cut into layers
+    if (kDepthLayers) {
+        const uvec2 numbered = node + uvec2(0, grid.first_row);
+        is_layered = inside && isLayerNode(numbered);
+        if (is_layered) {
+            const float end = kHasOpaque ? clamp(faceAt(surfaceDepth(at)), 0, float(lastFace())) : float(lastFace());
+            layered_end = uint(end);
+            startLayers(numbered, hiddenBefore(slabs, end));
+        }
+        startRay(group, ray, at); // slabs are asked for in order again
+    }
     const float least = kLeastSlab * tick.cut;
     bool known = false; // True: the light depth at the slab's own faces is known
     // Extinction at the middle of the previous slab, the medium at the middles of this one and the next two.
@@ -117,6 +139,7 @@ void march() {
         if (areLampsHeld() && subgroupAny(slab > 0))
             lamps = lampsOfSlab(bin, march_dir, march_length, faceDepth(face), faceDepth(face + 1), slab, slope);
         if (slab > 0) {
+            if (kDepthLayers && is_layered) enterLayerSlab(sum);
             const float all = slab + (kHasFog ? fog_own : 0);
             const float bend = 0.5 * (light.w - light.z - light.y + light.x);
             const float transmittance = exp(-sum[kFieldDepth] - (kHasFog ? fog_passed : 0));
@@ -152,6 +175,8 @@ void march() {
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;
             }
             sum[kFieldDepth] += slab;
+            if (kDepthLayers && is_layered && face < layered_end)
+                passLayerSlab(sum, faceDepth(face) + 0.5 * slabThickness(), slabThickness());
         }
         known = slab > 0;
         if (face + 1 < last_face || last_face == lastFace()) seen = sum[kFieldDepth];
@@ -176,6 +201,7 @@ void march() {
         }
         field[fieldEnd() + mine] = end;
     }
+    if (kDepthLayers && is_layered) endLayers(sum, faceDepth(layered_end));
     field[fieldWhole(kFieldDepth) + mine] = sum[kFieldDepth];
     if (kHasFog) {
         float scale[kMostFieldQuantities];

@@ -6,12 +6,14 @@ layout(scalar) readonly buffer Views { View views[]; };
 Eye eye;
 MapRays map_rays;
 SlabGrid grid;
+DepthLayers layers;
 uint field_at; // index at which its field begins
 
 void enterView(uint view) {
     eye = views[view].eye;
     map_rays = views[view].map_rays;
     grid = views[view].grid;
+    layers = views[view].layers;
     field_at = views[view].field;
 }
 

@@ -72,6 +72,8 @@ const uint kIdKeep = 23u;   // bool: the radiance of every pixel is stored for l
 const uint kIdFull = 24u;   // bool: R, G, B of all pixels instead of Y, Cb, Cr
 const uint kIdBlocks = 25u; // blocks of 8x2 pixels that a lane makes: 3 are whole cells of rates 3, 6, 12
 
+const uint kIdDepthLayers = 61u; // bool: some views of the group have layers with depth (depth_layers.h)
+
 // Views of how a picture is made.
 const uint kIdShow = 50u; // what is drawn in place of the picture: kShowWasted and so on (show.h)
 

@@ -3,6 +3,7 @@
 #ifndef BRUME_SHARED_TYPES_H
 #define BRUME_SHARED_TYPES_H
 
+#include "shaders/shared/depth_layers.h"
 #ifdef __cplusplus
 #include <cstddef>
 #include <cstdint>
@@ -275,7 +276,8 @@ struct View {
     uint added;
     uint field;
     uint shaded;
-    uint padding[56]; // any view may be bound alone: offsets are multiples of 256 bytes
+    DepthLayers layers;
+    uint padding[43]; // any view may be bound alone: offsets are multiples of 256 bytes
 };
 
 // Which pixels probe.comp reads, and how they were drawn.

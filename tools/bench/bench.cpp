@@ -196,6 +196,15 @@ private:
         allow(command->add_option("--frames", scaling_frames_, "of each"), 1, 10000);
         command->add_option("--out", scaling_out_, kOutHelp)->default_str("");
 
+        command = addPlain("layers", kMeasurements, "pictures redrawn from layers with depth, beside the true ones",
+                           [this] { layers(context_, layers_); });
+        command->add_option("--scenes", layers_.question.scenes, "each a scene, or scene:camera")->expected(1, -1);
+        command->add_option("--size", layers_.size, "pixels that are shown");
+        allow(command->add_option("--quality", layers_.question.quality, "of JPEG; 100: none, as drawn"), 1, 100);
+        command->add_option("--pictures", layers_.question.pictures, "folder for pictures");
+        addCosts(command);
+        command->add_option("--out", layers_.out, kOutHelp)->default_str("");
+
         command = addPlain("operations", kMeasurements, "what each operation of a shader costs on the device",
                            [this] { operations(context_, operation_repeats_, operations_out_); });
         allow(command->add_option("--repeats", operation_repeats_, "of each"), 1, 1000);
@@ -291,6 +300,8 @@ private:
     CorrectionOptions correction_;
     ReportOptions report_;
     PlanTable planned_;
+    LayersOptions layers_{
+        .question = {.scenes = {"plume", "cloud", "cumulus", "cloud:inside", "props", "courtyard", "smoke-spots"}}};
     std::string plan_out_, features_out_, scaling_out_, operations_out_, pictures_only_, pictures_out_;
     uint32_t feature_frames_ = 10, scaling_frames_ = 5, operation_repeats_ = 12;
     NativeOptions native_;

@@ -7,6 +7,7 @@
 
 #include "server/gpu/device.h"
 #include "tools/bench/correction.h"
+#include "tools/bench/layers.h"
 #include "tools/bench/native/compare.h"
 #include "tools/bench/predict.h"
 #include "tools/bench/promise.h"
@@ -88,6 +89,12 @@ void tetrahedra(const TetrahedraOptions& options);
 void calibrateDevice(const Context& context, double seconds);
 void plan(const Context& context, const PlanTable& wanted, const std::filesystem::path& out);
 void features(const Context& context, uint32_t frames, const std::filesystem::path& out);
+struct LayersOptions {
+    LayersQuestion question; // its size is replaced
+    std::string size = "640x360";
+    std::filesystem::path out;
+};
+void layers(const Context& context, LayersOptions options);
 void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out);
 
 struct NativeOptions {

@@ -152,6 +152,15 @@ std::vector<glm::u8vec3> Stage::shown(const Pose& pose, glm::uvec2 size, uint32_
     return pixels;
 }
 
+Stage::Layered Stage::layered(const Pose& pose, glm::uvec2 size, uint32_t count) {
+    const EyeRequest eye{.pose = pose, .width = size.x, .height = size.y, .depth_layers = count};
+    submit({&eye, 1});
+    Layered out;
+    for (const gpu::PassSample& sample : submission_.commands.readTimes()) out.ms += double(sample.ms);
+    out.picture = submission_.pictures().front(), out.layers = submission_.layers().front();
+    return out;
+}
+
 std::span<const PictureView> Stage::planes() { return submission_.pictures(); }
 
 std::vector<gpu::Particle> Stage::particles() const {

@@ -65,6 +65,13 @@ public:
     RadianceImage picture(const Pose& pose, glm::uvec2 size); // renders one more view and reads it back
     // Renders one more view: the picture, or what is drawn in its place (shaders/shared/show.h), as a display shows it.
     std::vector<glm::u8vec3> shown(const Pose& pose, glm::uvec2 size, uint32_t show);
+    // One more view with `count` layers with depth. Valid until the next picture.
+    struct Layered {
+        PictureView picture;
+        DepthLayersView layers;
+        double ms = 0; // of the device
+    };
+    Layered layered(const Pose& pose, glm::uvec2 size, uint32_t count);
     std::span<const PictureView> planes(); // planes of the last frame, the encoder's input
 
     const Plan& plan() const { return plan_; }

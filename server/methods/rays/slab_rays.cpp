@@ -20,6 +20,8 @@ constexpr float kFogLength = 1; // m, of slabs before the eye where there are no
 constexpr double kFogFar = 1e7; // m, view depth behind which fog is one piece
 // Standard deviations of the medium in which the light that it lets through to fog is taken as linear.
 constexpr float kFogStep = 1;
+constexpr uint32_t kJpegBlock = 8;    // pixels along a side
+constexpr float kMostDepthRatio = 64; // of the depths that bytes of layers stand for
 
 void coarsen(gpu::SlabGrid& grid) {
     grid.thickness *= 2;
@@ -121,6 +123,7 @@ SlabRays::SlabRays(const MethodContext& context)
 std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
     group(eyes);
     grow(field_, most_.field * sizeof(float), "slab field");
+    grow(layered_, most_.layered * sizeof(float), "layers with depth");
     growOwn(most_);
     views_buffer_.atLeast(device_, views_.size() * sizeof(gpu::View), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                           gpu::Memory::upload, "views");
@@ -134,6 +137,7 @@ std::span<const ViewGroup> SlabRays::prepare(std::span<const EyeInputs> eyes) {
         group.resources = gpu::Resources(&group.any->resources);
         group.resources.give(group.block);
         group.resources.give(gpu::storageBuffer("Field", field_));
+        group.resources.give(gpu::storageBuffer("Layered", layered_));
     }
     return groups_;
 }
@@ -154,7 +158,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
     for (const EyeInputs& in : eyes) order_.push_back(&in);
     const auto kind = [&](const EyeInputs* in) {
         const uint32_t rate = gridOf(*in, device_.lanesTogether()).rate;
-        return std::tuple(in->medium, coloursOf(*in), rate, shadingStepOf(*in, rate));
+        return std::tuple(in->medium, coloursOf(*in), rate, shadingStepOf(*in, rate), in->depth_layers);
     };
     const bool alone = eyes.front().shared->uses_target;
     if (!alone)
@@ -177,12 +181,17 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
             gpu::View view = viewOf(*in, bands, row, step, with);
             const auto fits = [&](const ViewGroup& last) {
                 return last.any->medium == in->medium && last.rate == bands.grid.rate && last.colours == colours &&
-                       last.step == step && bytesOfLargest(with) <= gpu::kLargestBinding;
+                       last.step == step && last.depth_layers == (view.layers.count > 0) &&
+                       bytesOfLargest(with) <= gpu::kLargestBinding;
             };
             if (!(open && whole && fits(groups_.back()))) {
                 with = {};
                 view = viewOf(*in, bands, row, step, with);
-                groups_.push_back({.any = in, .rate = bands.grid.rate, .colours = colours, .step = step});
+                groups_.push_back({.any = in,
+                                   .rate = bands.grid.rate,
+                                   .colours = colours,
+                                   .step = step,
+                                   .depth_layers = view.layers.count > 0});
                 firsts_.push_back(views_.size());
             }
             groups_.back().bins = with.bins;
@@ -190,8 +199,8 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
             elements = with;
             views_.push_back(view);
             most_ = {std::max(most_.members, elements.members), std::max(most_.bins, elements.bins),
-                     std::max(most_.added, elements.added), std::max(most_.field, elements.field),
-                     std::max(most_.shaded, elements.shaded)};
+                     std::max(most_.added, elements.added),     std::max(most_.field, elements.field),
+                     std::max(most_.shaded, elements.shaded),   std::max(most_.layered, elements.layered)};
         }
     }
     firsts_.push_back(views_.size());
@@ -202,7 +211,7 @@ void SlabRays::group(std::span<const EyeInputs> eyes) {
 VkDeviceSize SlabRays::bytesOfLargest(const Elements& elements) {
     return std::max({elements.members * sizeof(gpu::SlabMember), elements.bins * sizeof(uint32_t),
                      elements.added * sizeof(glm::vec4), elements.field * sizeof(float),
-                     elements.shaded * sizeof(uint32_t)});
+                     elements.shaded * sizeof(uint32_t), elements.layered * sizeof(float)});
 }
 
 gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step,
@@ -217,6 +226,7 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
     view.added = uint32_t(elements.added);
     view.field = uint32_t(elements.field);
     view.shaded = uint32_t(elements.shaded);
+    addLayers(in, bands, view, elements);
     const Elements own = elementsOf(in, view.grid);
     elements.members += own.members;
     elements.bins += own.bins;
@@ -224,6 +234,26 @@ gpu::View SlabRays::viewOf(const EyeInputs& in, const Bands& bands, uint32_t fir
     elements.field += fieldWords(in, view.grid);
     elements.shaded += shadedWords(view, step);
     return view;
+}
+
+// The lattice of a view's layers with depth: rays of the picture's grid. All bands have the same.
+void SlabRays::addLayers(const EyeInputs& in, const Bands& bands, gpu::View& view, Elements& elements) const {
+    gpu::DepthLayers& layers = view.layers;
+    const gpu::SlabGrid& grid = view.grid;
+    layers.count = in.shared->needs_rays && !features_.glass ? in.depth_layers : 0;
+    if (layers.count == 0) return;
+    layers.every = gpu::groups(gpu::kLeastLayerSpacing, grid.rate);
+    layers.first = grid.margin % layers.every;
+    const glm::uvec2 rays = glm::uvec2(grid.nodes.x, bands.cells + raysBeyond(grid.margin));
+    layers.nodes = (rays - layers.first - 1u) / layers.every + 1u;
+    layers.rows = gpu::groups(layers.nodes.y, kJpegBlock) * kJpegBlock;
+    layers.blocks = layers.count + (features_.opaque ? 0 : 1);
+    layers.data = layers.colours + 3 * layers.blocks * layers.rows * gpu::layerWords(layers.nodes.x);
+    layers.near = std::max(grid.depth, (grid.depth + grid.thickness * float(grid.slabs)) / kMostDepthRatio);
+    layers.far = grid.depth + grid.thickness * float(grid.slabs);
+    layers.held = uint32_t(elements.layered);
+    elements.layered +=
+        VkDeviceSize(layers.nodes.x) * layers.nodes.y * layers.count * (gpu::fieldQuantities(coloursOf(in)) + 1);
 }
 
 void SlabRays::recordGroup(gpu::Commands& commands, const ViewGroup& group) {

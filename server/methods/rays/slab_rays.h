@@ -23,7 +23,7 @@ protected:
 
     // Elements of the buffers that gpu::View points into.
     struct Elements {
-        VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0;
+        VkDeviceSize members = 0, bins = 0, added = 0, field = 0, shaded = 0, layered = 0;
     };
     // What a band needs of the method's own buffers: members, bins, added.
     virtual Elements elementsOf(const EyeInputs&, const gpu::SlabGrid&) const { return {}; }
@@ -37,7 +37,7 @@ protected:
 
     const gpu::Device& device_;
     const SceneFeatures features_;
-    gpu::Buffer field_;
+    gpu::Buffer field_, layered_;
 
 private:
     // How a picture is made: all of it, or one band of rows of tiles after the other.
@@ -50,6 +50,7 @@ private:
     uint32_t shadingStepOf(const EyeInputs& in, uint32_t rate) const;
     gpu::FieldColours coloursOf(const EyeInputs& in) const;
     VkDeviceSize fieldWords(const EyeInputs& in, const gpu::SlabGrid& grid) const;
+    void addLayers(const EyeInputs& in, const Bands& bands, gpu::View& view, Elements& elements) const;
     // The view of `in` in rows of pixels from first_row on. It is put behind what is in `elements` already, which grows
     // by it.
     gpu::View viewOf(const EyeInputs& in, const Bands& bands, uint32_t first_row, uint32_t step,
