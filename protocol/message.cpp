@@ -16,6 +16,13 @@ bool lengthsAddUp(const Frame& frame, size_t jpeg_bytes) {
     if (lengths.size() < 1 || lengths.size() > kMaxViews) return false;
     uint64_t sum = 0;
     for (const uint32_t length : lengths) sum += length;
+    if (const auto* layers = frame.layers()) {
+        if (layers->size() != lengths.size()) return false;
+        for (const DepthLayers* view : *layers) {
+            if (view->bytes()->size() != kLayerPictures) return false;
+            for (const uint32_t length : *view->bytes()) sum += length;
+        }
+    }
     return sum == jpeg_bytes;
 }
 

@@ -14,6 +14,8 @@ namespace brume::wire {
 
 inline constexpr char kSubprotocol[] = "brume.v1";
 inline constexpr uint32_t kMaxViews = 2;
+inline constexpr uint32_t kMaxLayers = 8;
+inline constexpr uint32_t kLayerPictures = 3; // of a view: DepthLayers.bytes
 
 // A verified message. It points into the bytes that it was parsed from, or into its own copy.
 struct Parsed {

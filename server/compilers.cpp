@@ -57,8 +57,9 @@ void Compilers::look() {
     }
     if (!command_.empty() && ways.wantedFeatures()) return void(behind_ = {});
     const bool goes_on_behind = hear(behind_);
-    // What one process has compiled does not wait for what another compiles.
+    // What one process has compiled does not wait for what another compiles. Layers take a second, and no process.
     const auto is_on_disk = [&](const CompiledWays::Wanted& wanted) {
+        if (wanted.shaders.layers) return true;
         const auto known = on_disk_.find(wanted.lists); // other lists may be drawn meanwhile
         return known != on_disk_.end() && known->second.contains(wanted.shaders);
     };
@@ -135,7 +136,7 @@ void Compilers::makeBeside(const Scene& scene, const WayShaders& way) const {
     std::thread([&] {
         [[maybe_unused]] const int niceness = ::setpriority(PRIO_PROCESS, 0, kBehind); // this thread's, on Linux
         try {
-            makePipelines(scene, server_.device, way.still);
+            makePipelines(scene, server_.device, way);
         } catch (const std::exception& error) {
             spdlog::debug("pipelines of {} are made when they are drawn with: {}", text(way), error.what());
         }

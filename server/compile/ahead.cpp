@@ -135,11 +135,12 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
     compiling.compileViews(planned); // last: few ask for them
 }
 
-void makePipelines(const Scene& scene, const gpu::Device& device, bool still) {
+void makePipelines(const Scene& scene, const gpu::Device& device, const WayShaders& way) {
     const Simulation simulation(standIn(scene));
     Renderer renderer(device, scene, simulation.capacity());
     Submission submission(device, "behind");
-    WarmUp(renderer, submission, scene, simulation, true).drawForEveryCamera(scene.render, still);
+    WarmUp pictures(renderer, submission, scene, simulation, true);
+    way.layers ? pictures.drawLayers(scene.render) : pictures.drawForEveryCamera(scene.render, way.still);
 }
 
 bool isWorthCompiling(const Scene& scene) { return Simulation(standIn(scene)).capacity() <= kMostParticles; }

@@ -28,8 +28,9 @@ void compileAhead(const Scene& scene, const gpu::Device& device, const CostModel
                   std::ostream& out);
 
 // Draws small pictures by the way of scene.render, so that its pipelines are in this process. May be called beside the
-// frame loop of the same device. `still`: of still pictures. Throws SceneError, gpu::Error.
-void makePipelines(const Scene& scene, const gpu::Device& device, bool still);
+// frame loop of the same device. `way`: whether of still pictures, and of layers. Throws SceneError,
+// gpu::Error.
+void makePipelines(const Scene& scene, const gpu::Device& device, const WayShaders& way);
 
 // False: a second process with the scene may need more memory than it is worth.
 bool isWorthCompiling(const Scene& scene);

@@ -16,8 +16,15 @@ WayShaders shadersOf(const RenderSettings& settings, bool still) {
     return {settings.method, method ? method->shaders(settings) : 0, settings.rate, still};
 }
 
+WayShaders layerShadersOf(const RenderSettings& settings) {
+    WayShaders way = shadersOf(settings, false);
+    way.layers = true;
+    return way;
+}
+
 std::string text(const WayShaders& way) {
-    return fmt::format("{} {} {} {}", way.method, way.shaders, way.rate, way.still ? "still" : "moving");
+    const char* kind = way.layers ? "layers" : way.still ? "still" : "moving";
+    return fmt::format("{} {} {} {}", way.method, way.shaders, way.rate, kind);
 }
 
 std::optional<WayShaders> wayShaders(std::string_view text) {
@@ -25,8 +32,8 @@ std::optional<WayShaders> wayShaders(std::string_view text) {
     WayShaders way;
     std::string kind, more;
     if (!(in >> way.method >> way.shaders >> way.rate >> kind) || in >> more) return {};
-    if ((kind != "still" && kind != "moving") || !planOf(way.method)) return {};
-    way.still = kind == "still";
+    if ((kind != "still" && kind != "moving" && kind != "layers") || !planOf(way.method)) return {};
+    way.still = kind == "still", way.layers = kind == "layers";
     return way;
 }
 
@@ -130,9 +137,25 @@ bool CompiledWays::mayProbe(const RenderSettings& settings) const {
     return all_ || (known != compiled().end() && known->second.probed);
 }
 
+bool CompiledWays::mayHaveLayers(const RenderSettings& settings) {
+    const std::scoped_lock lock(mutex_);
+    const WayShaders way = layerShadersOf(settings);
+    if (all_) return true;
+    if (const auto ways = compiled_.find(features_); ways != compiled_.end())
+        if (const auto known = ways->second.find(way); known != ways->second.end()) {
+            known->second.used = Clock::now();
+            return true;
+        }
+    want(settings, way);
+    return false;
+}
+
 void CompiledWays::want(const RenderSettings& settings, bool still) {
     const std::scoped_lock lock(mutex_);
-    const WayShaders way = shadersOf(settings, still);
+    want(settings, shadersOf(settings, still));
+}
+
+void CompiledWays::want(const RenderSettings& settings, const WayShaders& way) {
     const auto same = [&](const Wanted& wanted) { return wanted.shaders == way; };
     if (all_ || compiled().contains(way) || std::ranges::any_of(wanted_, same) || wanted_.size() >= kMostWanted) return;
     wanted_.push_back({settings, way, features_});

@@ -24,11 +24,13 @@ struct WayShaders {
     uint32_t shaders = 0; // MethodPlan::shaders()
     uint32_t rate = 0;    // pixels
     bool still = false;   // True: of still pictures, which have full colour
+    bool layers = false;  // True: of pictures with layers with depth, still or not
 
     auto operator<=>(const WayShaders&) const = default; // NOLINT(modernize-use-nullptr): it takes this for a 0
 };
 WayShaders shadersOf(const RenderSettings& settings, bool still);
-// One line: "METHOD SHADERS RATE moving", or "still"; and back. Nothing: it is no such line.
+WayShaders layerShadersOf(const RenderSettings& settings);
+// One line: "METHOD SHADERS RATE moving", or "still", or "layers"; and back. Nothing: it is no such line.
 std::string text(const WayShaders& way);
 std::optional<WayShaders> wayShaders(std::string_view text);
 
@@ -63,6 +65,8 @@ public:
     // The wanted ones. Nothing: those that are drawn are right, or a way is compiled for the others.
     std::optional<SceneFeatures> wantedFeatures() const;
     bool has(const RenderSettings& settings, bool still) const override;
+    // True: the way's pictures may have layers with depth. False: that is wanted from now on.
+    bool mayHaveLayers(const RenderSettings& settings);
     // Of ways that nobody used for kUnused, kMostUnused stay at most, since a device keeps some pipelines only.
     void use(const RenderSettings& settings, bool still) override { use(settings, still, Clock::now()); }
     void use(const RenderSettings& settings, bool still, Clock::time_point now);
@@ -89,6 +93,7 @@ private:
     };
     using Ways = std::map<WayShaders, State>;
     const Ways& compiled() const; // ways of features_
+    void want(const RenderSettings& settings, const WayShaders& way);
     void forgetUnused(Clock::time_point now);
 
     mutable std::mutex mutex_;

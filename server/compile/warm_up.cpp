@@ -29,7 +29,7 @@ WarmUp::WarmUp(Renderer& renderer, Submission& submission, const Scene& scene, c
 }
 
 void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
-    draw(own_, settings, still, gpu::kShowPicture, kHistory);
+    draw(own_, settings, still, {.history = kHistory});
     draw(inside_, settings, still);
     if (!coarse_ || settings.shading != kAuto || !planOf(settings.method)->hasRays()) return;
     RenderSettings shaded = settings;
@@ -37,16 +37,15 @@ void WarmUp::drawForEveryCamera(const RenderSettings& settings, bool still) {
         draw(own_, shaded, still);
 }
 
+void WarmUp::drawLayers(const RenderSettings& settings) { draw(own_, settings, false, {.depth_layers = 1}); }
+
 void WarmUp::drawViews(const RenderSettings& settings, bool still) {
-    for (uint32_t show = gpu::kShowPicture + 1; show < gpu::kShows; ++show) draw(own_, settings, still, show);
+    for (uint32_t show = gpu::kShowPicture + 1; show < gpu::kShows; ++show) draw(own_, settings, still, {.show = show});
 }
 
-void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show, uint64_t history) {
-    const EyeRequest eye{.pose = view.pose,
-                         .width = std::min(view.width, kWidth),
-                         .height = std::min(view.height, kHeight),
-                         .history = history,
-                         .show = show};
+void WarmUp::draw(const PlanView& view, const RenderSettings& settings, bool still, EyeRequest eye) {
+    eye.pose = view.pose;
+    eye.width = std::min(view.width, kWidth), eye.height = std::min(view.height, kHeight);
     const RenderSettings shown = smallShadows(settings);
     submission_.probe.pixels.clear();
     if (probed_) submission_.probe.pixels = {glm::uvec2(0)};

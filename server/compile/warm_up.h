@@ -18,6 +18,8 @@ public:
     // and without.
     void drawForEveryCamera(const RenderSettings& settings, bool still);
 
+    // One picture with layers with depth.
+    void drawLayers(const RenderSettings& settings);
     // One picture of every view of how pictures are made.
     void drawViews(const RenderSettings& settings, bool still);
 
@@ -25,8 +27,8 @@ public:
     const PlanView& inside() const { return inside_; } // in the middle of the medium
 
 private:
-    void draw(const PlanView& view, const RenderSettings& settings, bool still, uint32_t show = gpu::kShowPicture,
-              uint64_t history = 0);
+    // `other`: what is asked for besides a pose and a size.
+    void draw(const PlanView& view, const RenderSettings& settings, bool still, EyeRequest other = {});
 
     Renderer& renderer_;
     Submission& submission_;

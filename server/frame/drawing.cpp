@@ -38,7 +38,9 @@ void checkPictures(std::span<const EyeRequest> eyes, bool full, const SceneFeatu
                             "ones or allow more",
                             eye.width, eye.height));
     uint64_t bytes = 0;
-    for (const EyeRequest& eye : eyes) bytes += PlaneLayout{eye.width, eye.height, full}.bytes();
+    for (const EyeRequest& eye : eyes)
+        bytes +=
+            PlaneLayout{eye.width, eye.height, full}.bytes() + depthLayerBytes(eye.width, eye.height, eye.depth_layers);
     if (bytes > planes)
         throw gpu::Error(
             fmt::format("pictures of {} MiB together, --picture-memory and the device allow {} MiB: ask for "
@@ -209,8 +211,19 @@ bool Drawing::renderOneShot(Batch& batch) {
     return submit(batch, way.settings);
 }
 
+// Pictures come without layers until the shaders for these are compiled.
+void Drawing::askForLayers(Batch& batch, const RenderSettings& settings) {
+    for (EyeRequest& eye : batch.eyes) {
+        if (eye.depth_layers == 0) continue;
+        RenderSettings own = settings;
+        if (eye.rate) own.rate = eye.rate;
+        if (!ways_.mayHaveLayers(own)) eye.depth_layers = 0;
+    }
+}
+
 // False when the device cannot draw the batch, or memory is short; it is dropped then.
 bool Drawing::submit(Batch& batch, const RenderSettings& settings) {
+    askForLayers(batch, settings);
     const SceneFeatures features = shown_.features();
     const bool full = batch.still_pictures || shown_.hasSeveralHues();
     const uint64_t pipelines_before = pipelines_made_;

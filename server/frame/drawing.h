@@ -62,6 +62,7 @@ private:
     Batch* freeBatch();
     bool render(Batch& batch);
     bool renderOneShot(Batch& batch);
+    void askForLayers(Batch& batch, const RenderSettings& settings);
     bool submit(Batch& batch, const RenderSettings& settings);
     void drop(Batch& batch, const char* why);
     void done(Batch& batch);

@@ -20,7 +20,8 @@ public:
     void giveBack() { workers_.giveBack(); }
 
 private:
-    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views, JpegEncoder& jpeg) noexcept;
+    void deliver(const Batch& batch, uint32_t job, std::span<const PictureView> views,
+                 std::span<const DepthLayersView> layers, JpegEncoder& jpeg) noexcept;
 
     Metrics& metrics_;
     EncodeWorkers workers_;

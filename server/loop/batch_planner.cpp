@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/encode/picture.h"
+#include "server/encode/depth_layers.h"
 #include "server/loop/tick_source.h"
 
 namespace brume {
@@ -43,12 +43,13 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
         const auto same = std::find_if(requests_.begin(), requests_.end(),
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
         const PlaneLayout layout{due->width, due->height, full};
-        draw_requests_.push_back({.viewer = viewer->id(),
-                                  .pixels = paidPixels(*due),
-                                  .eyes = due->views,
-                                  .bytes = layout.bytes() * due->views,
-                                  .every = viewer->every(),
-                                  .like = uint32_t(same - requests_.begin())});
+        draw_requests_.push_back(
+            {.viewer = viewer->id(),
+             .pixels = paidPixels(*due),
+             .eyes = due->views,
+             .bytes = (layout.bytes() + depthLayerBytes(due->width, due->height, due->layers)) * due->views,
+             .every = viewer->every(),
+             .like = uint32_t(same - requests_.begin())});
         requests_.push_back(*due);
         due_.push_back(viewer);
     }
@@ -177,6 +178,7 @@ void BatchPlanner::add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due&
                             .height = request.height,
                             .second = eye == 1,
                             .history = 2 * uint64_t(viewer->id()) + uint64_t(eye) + 1,
+                            .depth_layers = request.layers,
                             .show = request.show});
 }
 

@@ -4,6 +4,7 @@
 
 #include "server/net/convert.h"
 #include "server/sim/simulation.h"
+#include "shaders/shared/depth_layers.h"
 
 namespace brume::net {
 namespace {
@@ -130,6 +131,15 @@ const T& valueIn(const SceneReport& report, std::string_view path) {
     return std::get<T>(report.settings.at(size_t(found - live.begin())));
 }
 
+auto packLayers(Builder& b, const FrameLayers& layers) {
+    const uint32_t lengths[wire::kLayerPictures] = {uint32_t(layers.colours.size()), uint32_t(layers.data.size()),
+                                                    uint32_t(layers.surface.size())};
+    return wire::CreateDepthLayers(b, layers.count, layers.columns, layers.rows, layers.block_rows, layers.spacing,
+                                   layers.first, layers.near, layers.far, layers.exposure, layers.filmic,
+                                   gpu::kNearSurface, gpu::kFarSurface, layers.nearest,
+                                   b.CreateVector(lengths, std::size(lengths)));
+}
+
 } // namespace
 
 wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const Audience& audience,
@@ -201,11 +211,15 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
             drawn[view] = toWire(frustumOf(eye, request.width, request.height));
             frusta[view] = &drawn[view];
         }
-        return wire::CreateFrame(b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us,
-                                 &position, &orientation, request.pose.fov_y, request.width, request.height,
-                                 request.quality, &stages, jpeg_bytes, frusta[0], frusta[1],
-                                 frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse,
-                                 frame.measured.low, frame.measured.high, wire::Reduced(request.reduced));
+        std::vector<flatbuffers::Offset<wire::DepthLayers>> layers;
+        for (const LayersPtr& one : frame.layers)
+            if (one) layers.push_back(packLayers(b, *one));
+        const auto packed_layers = layers.empty() ? 0 : b.CreateVector(layers);
+        return wire::CreateFrame(
+            b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position, &orientation,
+            request.pose.fov_y, request.width, request.height, request.quality, &stages, jpeg_bytes, frusta[0],
+            frusta[1], frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse, frame.measured.low,
+            frame.measured.high, wire::Reduced(request.reduced), packed_layers);
     });
 }
 

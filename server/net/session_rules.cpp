@@ -153,7 +153,10 @@ void SessionRules::onPose(const wire::Pose& pose, Clock::time_point now, Actions
         granted_.width = size.width;
         granted_.height = size.height;
     }
+    if (pose.layers() > wire::kMaxLayers)
+        return refuse(wire::ErrorCode::out_of_range, fmt::format("layers are 0 ... {}", wire::kMaxLayers), now, out);
     PoseRequest request = granted_;
+    request.layers = pose.layers();
     request.seq = pose.seq();
     request.client_time_us = pose.client_time_us();
     request.pose = wanted;

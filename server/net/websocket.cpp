@@ -60,7 +60,8 @@ public:
     }
 
 private:
-    using Parts = std::array<asio::const_buffer, 3>; // one message
+    // One message: header, pictures, their layers' pictures.
+    using Parts = std::array<asio::const_buffer, 1 + wire::kMaxViews*(1 + wire::kLayerPictures)>;
 
     asio::awaitable<void> run(HttpRequest request);
     asio::awaitable<void> write();
@@ -204,8 +205,14 @@ asio::awaitable<void> WebSocketSession::write() {
 asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const float queue_ms = millisecondsSince(frame->encoded);
     const wire::Packed header = packFrameHeader(*frame, queue_ms);
-    const Parts parts{asio::buffer(header.data(), header.size()), asio::buffer(*frame->jpeg[0]),
-                      frame->request.views > 1 ? asio::buffer(*frame->jpeg[1]) : asio::const_buffer()};
+    Parts parts{asio::buffer(header.data(), header.size())};
+    size_t next = 1;
+    for (uint32_t view = 0; view < frame->request.views; ++view) parts[next++] = asio::buffer(*frame->jpeg[view]);
+    for (const LayersPtr& layers : frame->layers) {
+        if (!layers) continue;
+        for (const auto* picture : {&layers->colours, &layers->data, &layers->surface})
+            parts[next++] = asio::buffer(*picture);
+    }
     context_->metrics.sent(asio::buffer_size(parts), queue_ms);
     const error_code error = co_await send(parts);
     backlog_ = backlog_ || tcpState(ws_.next_layer().tcp().socket().native_handle()).backlog;

@@ -36,6 +36,7 @@ struct PoseRequest {
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
     bool lossless = false;              // True: a still picture as PNG
     bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing
+    uint8_t layers = 0;                 // layers with depth besides each picture; 0: none
     uint8_t show = 0;                   // number of a view (common/view_names.h); 0: the picture itself
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer
@@ -43,6 +44,21 @@ struct PoseRequest {
 
 // Bytes of one picture, JPEG or PNG. Viewers that ask for the same picture share them.
 using Jpeg = std::shared_ptr<const std::vector<uint8_t>>;
+
+// The layers with depth of one picture (shaders/shared/depth_layers.h), encoded. Numbers as wire::DepthLayers has them.
+struct FrameLayers {
+    uint8_t count = 0;
+    uint16_t columns = 0, rows = 0, block_rows = 0;
+    float spacing = 0, first = 0;
+    float near = 0, far = 0; // m
+    float exposure = 1;
+    bool filmic = false;
+    float nearest = 0; // m
+    std::vector<uint8_t> colours, data, surface;
+
+    size_t bytes() const { return colours.size() + data.size() + surface.size(); }
+};
+using LayersPtr = std::shared_ptr<const FrameLayers>; // shared as Jpeg is
 
 // Relative RMSE of one viewer's pictures of the last half minute, and its bounds of 95 %. All 0: not known.
 struct MeasuredError {
@@ -59,8 +75,9 @@ struct EncodedFrame {
     float error = 0; // predicted relative RMSE of the picture, at most
     MeasuredError measured;
     Clock::time_point encoded{};
-    std::array<Jpeg, 2> jpeg; // one for each of request.views eyes
-    bool png = false;         // True: all pictures are PNG; false: JPEG
+    std::array<Jpeg, 2> jpeg;        // one for each of request.views eyes
+    std::array<LayersPtr, 2> layers; // the same; null: none were asked for
+    bool png = false;                // True: all pictures are PNG; false: JPEG
 };
 // Of all its views together.
 double pixelsOf(const PoseRequest& request);

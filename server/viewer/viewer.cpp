@@ -35,7 +35,7 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
            a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
            a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
            a.height == b.height && a.views == b.views && a.quality == b.quality && a.still_picture == b.still_picture &&
-           a.lossless == b.lossless && a.one_shot == b.one_shot && a.show == b.show;
+           a.lossless == b.lossless && a.one_shot == b.one_shot && a.show == b.show && a.layers == b.layers;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
@@ -85,6 +85,8 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
     size_t bytes = 0;
     for (const Jpeg& jpeg : frame_->jpeg)
         if (jpeg) bytes += jpeg->size();
+    for (const LayersPtr& layers : frame_->layers)
+        if (layers) bytes += layers->bytes();
     const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
     pacing_.sent(frame_->id, bytes, frame_->render_ms + frame_->encode_ms + queue_ms + kMeanWaitMs, now);
     const float wait_ms = frame_->repeats ? History::kUnknown : frame_->wait_ms;

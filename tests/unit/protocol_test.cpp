@@ -154,6 +154,45 @@ TEST(ProtocolParse, FrameLengthsMustAddUp) {
     EXPECT_FALSE(parses({0xffffffff, 11}, 10)); // the sum does not wrap around
 }
 
+// Layers of each view, or none; of each the lengths of three pictures.
+TEST(ProtocolParse, LengthsOfLayersMustAddUp) {
+    const Vec3 position(0, 0, 0);
+    const Quat orientation(0, 0, 0, 1);
+    const Stages stages(0, 0, 0, 0, 0);
+    const auto parses = [&](std::vector<std::vector<uint32_t>> of_layers, size_t all_bytes) {
+        const Packed header = pack([&](auto& b) {
+            const std::vector<uint32_t> pictures{10};
+            std::vector<flatbuffers::Offset<DepthLayers>> layers;
+            for (const auto& lengths : of_layers) {
+                const auto packed = b.CreateVector(lengths);
+                DepthLayersBuilder one(b);
+                one.add_bytes(packed);
+                layers.push_back(one.Finish());
+            }
+            const auto packed = b.CreateVector(layers);
+            const auto jpeg = b.CreateVector(pictures);
+            FrameBuilder frame(b);
+            frame.add_position(&position);
+            frame.add_orientation(&orientation);
+            frame.add_stages(&stages);
+            frame.add_jpeg_bytes(jpeg);
+            frame.add_layers(packed);
+            return frame.Finish();
+        });
+        std::vector<uint8_t> bytes(header.data(), header.data() + header.size());
+        bytes.insert(bytes.end(), all_bytes, uint8_t{0});
+        return parse(bytes).has_value();
+    };
+    EXPECT_TRUE(parses({{1, 2, 3}}, 16));
+    EXPECT_TRUE(parses({{0, 0, 0}}, 10));
+    EXPECT_FALSE(parses({{1, 2, 3}}, 10));
+    EXPECT_FALSE(parses({{1, 2, 3}}, 17));
+    EXPECT_FALSE(parses({{1, 2}}, 13));
+    EXPECT_FALSE(parses({{1, 2, 3, 4}}, 20));
+    EXPECT_FALSE(parses({{1, 0, 0}, {1, 0, 0}}, 12)) << "there is one view";
+    EXPECT_FALSE(parses({{0xffffffff, 0xffffffff, 8}}, 16)) << "the sum does not wrap around";
+}
+
 // As a client of one's own does it in languages whose libraries have no FinishSizePrefixed: its fields of eight bytes
 // are aligned to another place.
 TEST(ProtocolFraming, AMessageThatWasFinishedWithoutItsSizeIsRead) {

@@ -27,6 +27,7 @@ struct PoseFields {
     std::optional<wire::Frustum> frustum{}, right_frustum{};
     bool hidden = false;
     const char* view = nullptr; // null: it is left out
+    uint8_t layers = 0;
 };
 
 class SessionRulesTest : public testing::Test {
@@ -65,7 +66,7 @@ protected:
         return say([&](FlatBufferBuilder& b) {
             return wire::CreatePoseDirect(b, p.seq, 77, &p.position, &p.orientation, p.fov_y, p.eyes, p.width, p.height,
                                           p.frustum ? &*p.frustum : nullptr,
-                                          p.right_frustum ? &*p.right_frustum : nullptr, p.hidden, p.view);
+                                          p.right_frustum ? &*p.right_frustum : nullptr, p.hidden, p.view, p.layers);
         });
     }
     template <class Build>

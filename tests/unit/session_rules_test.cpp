@@ -156,6 +156,15 @@ TEST_F(SessionRulesTest, APoseMayAskHowThePictureIsMade) {
     EXPECT_EQ(only<SetPose>(pose({.seq = 6, .view = "light"})).request.seq, 6u);
 }
 
+TEST_F(SessionRulesTest, APoseMayAskForLayers) {
+    watch();
+    EXPECT_EQ(only<SetPose>(pose({.seq = 1, .layers = 8})).request.layers, 8);
+    EXPECT_EQ(only<SetPose>(pose({.seq = 2})).request.layers, 0) << "each pose says it anew";
+    const SendError refusal = only<SendError>(pose({.seq = 3, .layers = 9}));
+    EXPECT_EQ(refusal.code, wire::ErrorCode::out_of_range);
+    EXPECT_EQ(refusal.text, "layers are 0 ... 8");
+}
+
 TEST_F(SessionRulesTest, APosesSizeStaysUntilAnotherComes) {
     watch();
     EXPECT_EQ(only<SetPose>(pose({.seq = 1, .width = 320, .height = 200})).request.width, 320);
