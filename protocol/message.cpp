@@ -47,6 +47,16 @@ std::span<const uint8_t> Parsed::view(uint32_t view) const {
     return jpeg.subspan(view == 0 ? 0 : lengths.Get(0), lengths.Get(view));
 }
 
+std::span<const uint8_t> Parsed::layerPicture(uint32_t view, uint32_t picture) const {
+    size_t begin = 0;
+    for (const uint32_t length : *as<Frame>()->jpeg_bytes()) begin += length;
+    const auto& layers = *as<Frame>()->layers();
+    for (uint32_t i = 0; i <= view; ++i)
+        for (uint32_t k = 0; k < kLayerPictures && !(i == view && k == picture); ++k)
+            begin += layers.Get(i)->bytes()->Get(k);
+    return jpeg.subspan(begin, layers.Get(view)->bytes()->Get(picture));
+}
+
 std::optional<Parsed> parse(std::span<const uint8_t> bytes) {
     assert(reinterpret_cast<uintptr_t>(bytes.data()) % 8 == 0);
     const size_t length = lengthOf(bytes);

@@ -31,6 +31,9 @@ struct Parsed {
     }
     // JPEG bytes of one view. Precondition: the message is a frame, and view < jpeg_bytes()->size().
     std::span<const uint8_t> view(uint32_t view) const;
+    // Bytes of one of DepthLayers.bytes of a view. Precondition: the frame has layers, and the numbers are below
+    // theirs.
+    std::span<const uint8_t> layerPicture(uint32_t view, uint32_t picture) const;
 };
 
 // Parses one message. Returns nothing unless the bytes are exactly one well-formed message of this schema: all

@@ -98,7 +98,8 @@ void Session::takeNote(const Received& message) {
 
 std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }
 
-std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height, bool hidden) {
+std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint16_t height, bool hidden,
+                                          uint8_t layers) {
     constexpr size_t enough_unsent = 4; // more would only grow old
     if (connection_.unsent() >= enough_unsent) return {};
     const uint32_t seq = ++pose_seq_;
@@ -109,7 +110,7 @@ std::optional<uint32_t> Session::sendPose(const Pose& pose, uint16_t width, uint
         flatbuffers::Offset<flatbuffers::String> view; // none: the picture
         if (wishes_.view != kViewNames[0]) view = b.CreateString(wishes_.view);
         return wire::CreatePose(b, seq, nowUs(), &position, &orientation, pose.fov_y, pose.eye_separation, width,
-                                height, nullptr, nullptr, hidden, view);
+                                height, nullptr, nullptr, hidden, view, layers);
     });
     return seq;
 }

@@ -100,7 +100,8 @@ public:
     // Sends a pose, or nothing while the socket has not taken earlier ones, since only the newest pose counts.
     // Returns the pose's number if it was sent. A size of 0 keeps the last size. `hidden`: true when nobody sees the
     // pictures; the server then sends none until a pose without it.
-    std::optional<uint32_t> sendPose(const Pose& pose, uint16_t width = 0, uint16_t height = 0, bool hidden = false);
+    std::optional<uint32_t> sendPose(const Pose& pose, uint16_t width = 0, uint16_t height = 0, bool hidden = false,
+                                     uint8_t layers = 0);
     // Sends an input; none is ever left out. `build` returns the offset of the command's table. Returns the input's
     // number.
     template <class Command, class Build>

@@ -6,9 +6,11 @@ import { fileURLToPath } from 'node:url';
 import { startDelay } from './delay.mjs';
 import {
   another,
+  cameraRests,
   cameraStill,
   connected,
   deviation,
+  difference,
   faded,
   openPage,
   pausedIs,
@@ -255,7 +257,62 @@ describe('two eyes', () => {
     await page.leave();
   });
 
-  for (const query of ['?reproject=plane', '?eyes=side'])
+  test('with layers both eyes are drawn from one picture', async (t) => {
+    const page = await openPage(t, browser, `${server.url}/?eyes=side&reproject=layers`, {
+      viewport: { width: 800, height: 450 },
+    });
+    await connected(page);
+    await until(page, 'layers come', (brume) => brume.lastFrame.layers > 0);
+    assert.equal(await page.evaluate(() => window.brume.lastFrame.views), 1);
+    await setPaused(page, true);
+    const distance = () => page.evaluate(() => window.brume.camera.distance);
+    await page.mouse.move(150, 225);
+    for (let i = 0; i < 60 && (await distance()) > 9; ++i) await page.mouse.wheel(0, -120);
+    await cameraStill(page);
+    await rested(page);
+    const eyes = await halves(page, '#view');
+    for (const half of eyes) assert.ok(contrast(half) > 4, `a half is nearly uniform: ${contrast(half)}`);
+    const wanted = 0.064 / (await distance()) / ((2 * Math.tan(0.4)) / eyes[0].length);
+    const found = disparity(eyes);
+    assert.ok(found >= 0.5 * wanted && found <= 3 * wanted, `${found} pixels of parallax where ${wanted} are due`);
+    await setPaused(page, false);
+    await page.leave();
+  });
+
+  test('with layers a camera that moves sees at once what the server draws later', async (t) => {
+    const delay = await startDelay(server.url, 0);
+    t.after(() => delay.stop());
+    const page = await openPage(t, browser, `${delay.url}/?reproject=layers`);
+    await connected(page);
+    await until(page, 'layers come', (brume) => brume.lastFrame.layers > 0);
+    await setPaused(page, true);
+    await rested(page);
+    await faded(page);
+    const before = await shown(page);
+    const { poseSeq } = await page.evaluate(() => window.brume.lastFrame);
+    delay.become(5000); // no new picture comes while we look
+    const { camera } = await page.evaluate(() => window.brume);
+    await page.mouse.move(180, 112);
+    await page.mouse.wheel(0, -240); // nearer
+    await cameraRests(page, camera);
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    const redrawn = await shown(page);
+    assert.equal(
+      await page.evaluate(() => window.brume.lastFrame.poseSeq),
+      poseSeq,
+      'the picture is still the old one',
+    );
+    delay.become(0);
+    await rested(page);
+    const later = await shown(page);
+    const [moved, off] = [difference(before, later), difference(redrawn, later)];
+    assert.ok(moved > 2, `the camera has moved: ${moved}`);
+    assert.ok(off < 0.25 * moved, `redrawn it differs by ${off}, as it was by ${moved}`);
+    await setPaused(page, false);
+    await page.leave();
+  });
+
+  for (const query of ['?reproject=plane', '?eyes=side', '?reproject=layers'])
     test(`a lost graphics context: the page with ${query} shows pictures as they are, then as before`, async (t) => {
       const page = await openPage(t, browser, `${server.url}/${query}`);
       await connected(page);

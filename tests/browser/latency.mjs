@@ -14,6 +14,7 @@ const WAYS = [
   { name: 'predicted', query: 'reproject=off&predict=1' },
   { name: 'turned', query: 'reproject=rotation&predict=0' },
   { name: 'turned and moved', query: 'reproject=plane&predict=0' },
+  { name: 'redrawn from layers', query: 'reproject=layers&predict=0' },
   { name: 'predicted, turned and moved', query: 'reproject=plane&predict=1' },
 ];
 
@@ -47,7 +48,7 @@ function watch(mode) {
     const apart = times(conjugate(shown.orientation), now);
     const pivot = camera.position.map((x, i) => x + turn(now, [0, 0, -camera.distance])[i]);
     // From where the shown picture has the point: a turned one from where it was made.
-    const from = mode === 'plane' ? shown.position : shown.made.position;
+    const from = mode === 'plane' || mode === 'layers' ? shown.position : shown.made.position;
     const seen = turn(conjugate(shown.orientation), minus(pivot, from));
     samples.push({
       turned: 2 * Math.atan2(Math.hypot(...apart.slice(0, 3)), Math.abs(apart[3])),
@@ -66,7 +67,9 @@ function collect({ width, height }, everyMs) {
     if (now - last < everyMs) return;
     last = now;
     const { canvas, warped } = document.getElementById('view');
-    const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    const context = new OffscreenCanvas(width, height).getContext('2d', {
+      willReadFrequently: true,
+    });
     context.imageSmoothingQuality = 'high';
     context.drawImage(warped.hidden ? canvas : warped, 0, 0, width, height);
     window.pictures.push({ context, camera: window.brume.camera });
@@ -87,7 +90,9 @@ async function judge({ width, height }, size) {
     const query = `w=${size.width}&h=${size.height}&quality=95&position=${position}&target=${target}`;
     const answer = await fetch(`snapshot.jpg?${query}`);
     if (!answer.ok) throw new Error(`snapshot: ${await answer.text()}`);
-    const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    const copy = new OffscreenCanvas(width, height).getContext('2d', {
+      willReadFrequently: true,
+    });
     copy.imageSmoothingQuality = 'high';
     copy.drawImage(await createImageBitmap(await answer.blob()), 0, 0, width, height);
     const [a, b] = [context, copy].map((one) => one.getImageData(0, 0, width, height).data);

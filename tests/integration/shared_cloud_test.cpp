@@ -1,5 +1,6 @@
 // One cloud for all: every viewer has its own view of the same ticks, and what one does all see.
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 
 #include "tests/integration/http.h"
 #include "tests/integration/running_server.h"
@@ -176,6 +177,34 @@ TEST_F(SharedCloud, StereoIsTwoViewsOfOneTick) {
     EXPECT_EQ(frame.jpegs[0], firstFrom(left, still)->jpegs[0]);
     EXPECT_EQ(frame.jpegs[1], firstFrom(right, still)->jpegs[0]);
     setPaused(stereo, false);
+}
+
+// Who asks gets layers, and who does not gets the same picture without.
+TEST_F(SharedCloud, LayersComeToWhoAsksForThem) {
+    Watcher layered(server()), plain(server());
+    const std::vector<Watcher*> both{&layered, &plain};
+    const uint64_t still = setPaused(layered, true, {&plain});
+    ASSERT_TRUE(layered.session.sendPose(fromFront(), 0, 0, false, 3));
+    plain.look(fromFront());
+    const auto withLayers = [&] { return !layered.frames.empty() && layered.last().layers > 0; };
+    ASSERT_TRUE(watch(both, [&] { return withLayers() && firstFrom(plain, still); }));
+    const Seen& frame = layered.last();
+    EXPECT_EQ(frame.layers, 3u);
+    ASSERT_EQ(frame.layer_pictures.size(), 3u);
+    EXPECT_EQ(pictureOf(frame, 0).width, frame.width) << "the picture comes as ever";
+    for (const Seen& one : plain.frames) EXPECT_EQ(one.layers, 0u);
+    int width = 0, height = 0, sampling = 0, colours = 0;
+    const std::unique_ptr<void, int (*)(void*)> decoder(tjInitDecompress(), tjDestroy);
+    const client::Bytes& data = frame.layer_pictures[1];
+    ASSERT_EQ(tjDecompressHeader3(decoder.get(), data.data(), data.size(), &width, &height, &sampling, &colours), 0);
+    EXPECT_EQ(uint32_t(height), 2 * 3 * frame.layer_rows) << "transmittance and depth of each layer";
+    EXPECT_TRUE(frame.layer_pictures[2].empty()) << "the scene has nothing but sky";
+    ASSERT_TRUE(layered.session.sendPose(fromFront()));
+    const uint32_t asked = layered.last().pose_seq;
+    setPaused(layered, false, {&plain});
+    EXPECT_TRUE(watch(both, [&] { return layered.last().pose_seq != asked && layered.last().layers == 0; }))
+        << "each pose says it anew";
+    EXPECT_TRUE(layered.errors.empty());
 }
 
 TEST_F(SharedCloud, ANewSizeIsGrantedWhileWatching) {

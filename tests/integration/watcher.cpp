@@ -40,6 +40,13 @@ void Watcher::poll(milliseconds timeout) {
                 const auto jpeg = message->parsed().view(view);
                 seen.jpegs.emplace_back(jpeg.begin(), jpeg.end());
             }
+            if (const auto* layers = frame->layers()) {
+                seen.layers = layers->Get(0)->count(), seen.layer_rows = layers->Get(0)->block_rows();
+                for (uint32_t picture = 0; picture < wire::kLayerPictures; ++picture) {
+                    const auto bytes = message->parsed().layerPicture(0, picture);
+                    seen.layer_pictures.emplace_back(bytes.begin(), bytes.end());
+                }
+            }
             hashes[seen.tick] = seen.state_hash;
             frames.push_back(std::move(seen));
             if (acknowledging) session.acknowledge(frame->id());

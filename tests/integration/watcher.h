@@ -22,6 +22,8 @@ struct Seen {
     float render_ms = 0;                                     // until the device was done, as the server reports
     float measured = 0, measured_low = 0, measured_high = 0; // wire::Frame
     std::vector<client::Bytes> jpegs;                        // one for each view
+    uint32_t layers = 0, layer_rows = 0;                     // of the first view, with depth
+    std::vector<client::Bytes> layer_pictures;               // of that: colours, data, surface
 };
 
 struct SeenError {

@@ -3,6 +3,7 @@
 import { ByteBuffer } from 'flatbuffers';
 import { Body } from './wire/brume/wire/body';
 import type { Elements as WireElements } from './wire/brume/wire/elements';
+import { DepthLayers as WireLayers } from './wire/brume/wire/depth-layers';
 import { Error as WireError } from './wire/brume/wire/error';
 import { Frame as WireFrame } from './wire/brume/wire/frame';
 import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
@@ -20,11 +21,23 @@ import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import { ProtocolError } from './protocol';
 import { roleOf } from './role';
-import type { Frame, Frustum, List, Plan, Quat, SceneState, ServerMessage, Vec3, Welcome } from './protocol';
+import type {
+  DepthLayers,
+  Frame,
+  Frustum,
+  List,
+  Plan,
+  Quat,
+  SceneState,
+  ServerMessage,
+  Vec3,
+  Welcome,
+} from './protocol';
 import type { Setting, SettingKind, SettingValue } from './protocol';
 
 // The longest lists that a message may have; a longer one makes the message invalid.
 const MAX_VIEWS = 2;
+const MAX_LAYERS = 8; // with depth
 const MAX_NAMES = 64;
 const MAX_SETTINGS = 200;
 const MAX_SCENES = 5000;
@@ -192,12 +205,14 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
   const stages = f.stages();
   if (!stages) throw new ProtocolError('frame without stages');
   let begin = 0;
-  const jpeg = toList(f.jpegBytesLength(), MAX_VIEWS, (i) => {
-    const end = begin + (f.jpegBytes(i) ?? 0);
-    const view = tail.subarray(begin, end);
+  const take = (bytes: number | null): Uint8Array<ArrayBuffer> => {
+    const end = begin + (bytes ?? 0);
+    const picture = tail.subarray(begin, end);
     begin = end;
-    return view;
-  });
+    return picture;
+  };
+  const jpeg = toList(f.jpegBytesLength(), MAX_VIEWS, (i) => take(f.jpegBytes(i)));
+  const layers = toList(f.layersLength(), MAX_VIEWS, (i) => decodeLayers(f.layers(i), take));
   if (jpeg.length === 0 || begin !== tail.length) throw new ProtocolError('picture bytes do not match their lengths');
   const reduced = ([undefined, 'link', 'device'] as const)[f.reduced()];
   return {
@@ -224,5 +239,28 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
     ...(reduced ? { reduced } : {}),
     ...(f.measured() > 0 ? { measured: { error: f.measured(), low: f.measuredLow(), high: f.measuredHigh() } } : {}),
     jpeg,
+    ...(layers.length === jpeg.length ? { layers } : {}),
+  };
+}
+
+function decodeLayers(l: WireLayers | null, take: (bytes: number | null) => Uint8Array<ArrayBuffer>): DepthLayers {
+  if (!l || l.bytesLength() !== 3) throw new ProtocolError('layers without their pictures');
+  if (l.count() > MAX_LAYERS) throw new ProtocolError('too many layers');
+  return {
+    count: l.count(),
+    columns: l.columns(),
+    rows: l.rows(),
+    blockRows: l.blockRows(),
+    spacing: l.spacing(),
+    first: l.first(),
+    near: l.near(),
+    far: l.far(),
+    filmic: l.filmic(),
+    nearSurface: l.nearSurface(),
+    farSurface: l.farSurface(),
+    nearest: l.nearest(),
+    colours: take(l.bytes(0)),
+    data: take(l.bytes(1)),
+    surface: take(l.bytes(2)),
   };
 }

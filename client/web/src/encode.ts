@@ -60,6 +60,7 @@ export function encodePose(pose: PoseMessage): Uint8Array<ArrayBuffer> {
   if (right) WirePose.addRightFrustum(builder, createFrustum(builder, right));
   WirePose.addHidden(builder, pose.hidden ?? false);
   if (view) WirePose.addView(builder, view);
+  WirePose.addLayers(builder, pose.layers ?? 0);
   return finish(builder, Body.Pose, WirePose.endPose(builder));
 }
 

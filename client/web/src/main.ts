@@ -1,4 +1,5 @@
 // The page around the view: settings, statistics, notices, tools and keys.
+import { reprojectionOf } from './viewing';
 import { BrumeView, defineBrumeView } from './brume-view';
 import { onKeys } from './controls';
 import type { Mode } from './controls';
@@ -227,7 +228,7 @@ const panel = buildPanel(
     setCap: (cap) => change({ cap }),
     setQuality: (quality) => change({ quality }),
     setEyes: (eyes) => change({ eyes: eyes === 'side' ? 'side' : 'one' }),
-    setReprojection: (way) => change({ reprojection: way === 'rotation' || way === 'plane' ? way : 'off' }),
+    setReprojection: (way) => change({ reprojection: reprojectionOf(way) }),
     setPredict: (predict) => change({ predict }),
     setBox: (box) => change({ box }),
     setView: (view) => change({ view }),
@@ -244,7 +245,7 @@ const handles = new Handles(find('handles'), {
     viewer().linkState === 'connected' ? panel.handles(age.at(viewer().statistics.lastFrame?.tick ?? 0n)) : [],
   eye: () => {
     const { viewing, fovY, headset } = viewer();
-    return viewing.shown && viewing.views === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
+    return viewing.shown && viewing.parts === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
   },
   lens: () => ({ camera: viewer().camera, fovY: viewer().fovY, height: view.clientHeight }),
   free: ({ x, y }) => document.elementFromPoint(x, y)?.matches('#view, #handles *') ?? false,

@@ -120,6 +120,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     { value: 'off', text: 'Off' },
     { value: 'rotation', text: 'Turns, what is far stays' },
     { value: 'plane', text: 'Turns and moves, the middle stays' },
+    { value: 'layers', text: 'Turns and moves, by layers with depth' },
   ]);
   reprojection.follow(chosen.reprojection);
   const predict = select('Prediction', (value) => host.setPredict(value === 'on'));

@@ -1,7 +1,7 @@
 // Decodes the pictures of frames and draws them on a surface. At most one frame is being decoded and one waits; a
 // newer frame replaces the one that waits, which is dropped.
 import type { Presented } from './latency';
-import type { Frame } from './protocol';
+import type { DepthLayers, Frame } from './protocol';
 
 export interface PictureEvents {
   presented(frame: Frame, at: Presented): void;
@@ -9,9 +9,17 @@ export interface PictureEvents {
   failed(frame: Frame): void;
 }
 
-// What pictures are drawn on. show() takes the ownership of the bitmaps, one for each eye.
+// What pictures are drawn on. show() takes the ownership of the bitmaps, one for each eye. `layers`: of each, where the
+// frame has them; they stay the caller's.
 export interface Surface {
-  show(bitmaps: ImageBitmap[], frame: Frame): void;
+  show(bitmaps: ImageBitmap[], frame: Frame, layers?: LayerBitmaps[]): void;
+}
+
+// Pictures of Frame.layers.
+export interface LayerBitmaps {
+  colours?: ImageBitmap;
+  data?: ImageBitmap;
+  surface?: ImageBitmap;
 }
 
 interface Arrived {
@@ -22,6 +30,7 @@ interface Arrived {
 
 interface Decoded extends Arrived {
   bitmaps: ImageBitmap[];
+  layers: LayerBitmaps[];
   decoded: number;
 }
 
@@ -72,7 +81,8 @@ export class Picture {
       this.events.presented(frame, { received, decoded, presented: performance.now() });
     }
     if (!ready) return;
-    this.surface.show(ready.bitmaps, ready.frame);
+    this.surface.show(ready.bitmaps, ready.frame, ready.layers);
+    ready.layers.forEach(closeLayers);
     this.drawn = ready;
     this.last = ready.frame;
   }
@@ -83,8 +93,9 @@ export class Picture {
       const arrived: Arrived = this.waiting;
       this.waiting = undefined;
       try {
-        const bitmaps = await toBitmaps(arrived.frame);
-        this.keep({ ...arrived, bitmaps, decoded: performance.now() });
+        const { jpeg, layers = [] } = arrived.frame;
+        const bitmaps = await toBitmaps(jpeg);
+        this.keep({ ...arrived, bitmaps, layers: await Promise.all(layers.map(toLayers)), decoded: performance.now() });
       } catch (error) {
         console.error(`brume: frame ${arrived.frame.id} is not a picture:`, error);
         if (arrived.generation === this.generation) this.events.failed(arrived.frame);
@@ -114,7 +125,7 @@ const toBitmap = (bytes: Uint8Array<ArrayBuffer>): Promise<ImageBitmap> =>
   });
 
 // All or none: the browser itself frees a bitmap late.
-async function toBitmaps({ jpeg }: Frame): Promise<ImageBitmap[]> {
+async function toBitmaps(jpeg: readonly Uint8Array<ArrayBuffer>[]): Promise<ImageBitmap[]> {
   const tried = await Promise.allSettled(jpeg.map(toBitmap));
   const bitmaps = tried.flatMap((one) => (one.status === 'fulfilled' ? [one.value] : []));
   const failed = tried.find((one) => one.status === 'rejected');
@@ -123,7 +134,25 @@ async function toBitmaps({ jpeg }: Frame): Promise<ImageBitmap[]> {
   throw failed.reason;
 }
 
-const close = (decoded: Decoded | undefined): void => decoded?.bitmaps.forEach((bitmap) => bitmap.close());
+// A picture whose layers cannot be read is drawn as it is.
+async function toLayers({ colours, data, surface }: DepthLayers): Promise<LayerBitmaps> {
+  const parts = Object.entries({ colours, data, surface }).filter(([, bytes]) => bytes.length > 0);
+  try {
+    const bitmaps = await toBitmaps(parts.map(([, bytes]) => bytes));
+    return Object.fromEntries(parts.map(([name], i) => [name, bitmaps[i]])) as LayerBitmaps;
+  } catch (error) {
+    console.error('brume: layers that are no pictures:', error);
+    return {};
+  }
+}
+
+const closeLayers = (layers: LayerBitmaps): void =>
+  Object.values(layers).forEach((bitmap: ImageBitmap) => bitmap.close());
+
+const close = (decoded: Decoded | undefined): void => {
+  decoded?.bitmaps.forEach((bitmap) => bitmap.close());
+  decoded?.layers.forEach(closeLayers);
+};
 
 // A canvas that shows the first eye's picture unchanged.
 export function flatSurface(canvas: HTMLCanvasElement): Surface {

@@ -35,6 +35,7 @@ export interface PoseMessage {
   height: number;
   view?: string; // of how the picture is made, in its place; left out: the picture
   hidden?: boolean; // true: the page is not seen, the server draws nothing until a pose without it
+  layers?: number; // with depth, 1 ... 8; left out: none
 }
 
 export type Command =
@@ -132,6 +133,25 @@ export interface Measured {
   high: number;
 }
 
+// Of a view's picture, to redraw it as seen from elsewhere (brume.fbs).
+export interface DepthLayers {
+  count: number; // near to far; 0: there are none
+  columns: number; // nodes of a layer
+  rows: number;
+  blockRows: number; // of a layer in its pictures
+  spacing: number; // pixels between nodes
+  first: number; // pixels to the first node, each way
+  near: number; // m, depth of byte 0
+  far: number; // m, depth of byte 255
+  filmic: boolean; // true: colours are tone mapped by Narkowicz's curve
+  nearSurface: number; // m, depth of byte 1 of surfaces
+  farSurface: number; // m, depth of byte 254
+  nearest: number; // m, of surfaces; 0: there is nothing but sky
+  colours: Uint8Array<ArrayBuffer>; // JPEG; empty without layers
+  data: Uint8Array<ArrayBuffer>; // grey JPEG; empty without layers
+  surface: Uint8Array<ArrayBuffer>; // grey PNG; empty where there is nothing but sky
+}
+
 export interface Frame {
   kind: 'frame';
   id: number;
@@ -150,6 +170,7 @@ export interface Frame {
   measured?: Measured; // absent: not known
   reduced?: 'link' | 'device'; // why it is less than what was asked for; absent: it is not, or an older server
   jpeg: Uint8Array<ArrayBuffer>[]; // one picture per view; JPEG, or PNG for a still picture without loss
+  layers?: DepthLayers[]; // of each view, where the pose asked for them
 }
 
 export interface ErrorMessage {

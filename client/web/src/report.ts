@@ -73,6 +73,7 @@ export function report(of: Sources) {
         jpeg,
         frusta,
         measured,
+        layers,
       } = lastFrame;
       const bytes = jpeg.reduce((sum, view) => sum + view.length, 0);
       const shown = {
@@ -91,6 +92,7 @@ export function report(of: Sources) {
         ...shown,
         orientation,
         views: jpeg.length,
+        layers: layers?.[0]?.count, // with depth; undefined: none came
         stages: { ...stages },
         measured: measured && { ...measured },
         latency: lastLatency && { ...lastLatency },

@@ -376,7 +376,7 @@ export class Viewer {
   private drawBox(): void {
     const { drawing } = this.stage;
     const [shown, box] = [this.viewing.shown, this.scene?.box];
-    drawing.hidden = !this.wishes.box || !shown || !box || this.viewing.views === 2;
+    drawing.hidden = !this.wishes.box || !shown || !box || this.viewing.parts === 2;
     if (drawing.hidden || !shown || !box) return;
     const above = Number.parseFloat(getComputedStyle(drawing).getPropertyValue('--brume-scale-above')) || 0;
     const eye = { position: shown.position, orientation: shown.orientation, fovY: this.fovY };

@@ -3,10 +3,11 @@ import { add, scale } from './camera';
 import type { Camera } from './camera';
 import { orientation } from './camera';
 import { flatSurface } from './picture';
-import type { Surface } from './picture';
+import type { LayerBitmaps, Surface } from './picture';
 import { rotate, shaped, symmetric, warp, widened } from './projection';
 import type { View } from './projection';
 import type { Frame, PoseMessage, Vec3 } from './protocol';
+import { Redraw } from './redraw';
 import { requestedSize } from './size';
 import type { Size } from './size';
 import type { View as Made } from './views';
@@ -15,15 +16,18 @@ import { Warp, watchContext } from './warp';
 export type Eyes = 'one' | 'side';
 // off: frames are drawn as they are. rotation: they are turned as the camera has turned since. plane: they also
 // follow its moves, exactly at the distance of the pivot.
-export type Reprojection = 'off' | 'rotation' | 'plane';
+// layers: they are redrawn from layers with depth, as seen from where the camera is, for both eyes from one picture.
+export type Reprojection = 'off' | 'rotation' | 'plane' | 'layers';
 
 export const EYES: readonly Eyes[] = ['one', 'side'];
-export const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane'];
+export const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane', 'layers'];
 export const eyesOf = (text: string | null): Eyes => EYES.find((eyes) => eyes === text) ?? 'one';
 export const reprojectionOf = (text: string | null): Reprojection => REPROJECTIONS.find((way) => way === text) ?? 'off';
 
 // Pictures for reprojection are wider and higher by the factor 1 + MARGIN.
 export const MARGIN = 0.1;
+// Layers with depth that are asked for.
+const LAYERS = 4;
 // Distance between a person's eyes, m.
 export const EYE_SEPARATION = 0.064;
 
@@ -37,6 +41,13 @@ export function viewOf(frame: Frame, eye: number, separation: number): View {
     orientation: frame.orientation,
     frustum,
   };
+}
+
+// As exact as the wire's numbers.
+function sameView(frame: Frame, position: Vec3, turn: View['orientation']): boolean {
+  const near = (a: readonly number[], b: readonly number[]): boolean =>
+    a.every((x, i) => Math.abs(x - (b[i] ?? 0)) < 1e-6 * (1 + Math.abs(x)));
+  return near(position, frame.position) && near(turn, frame.orientation);
 }
 
 function eyePosition(head: Vec3, turn: View['orientation'], eye: number, views: number, separation: number): Vec3 {
@@ -59,6 +70,8 @@ export class Viewing implements Surface {
   shown: { position: Vec3; orientation: View['orientation']; made: Frame } | undefined;
   private readonly flat: Surface;
   private warp: Warp | undefined; // undefined also while the graphics context is lost
+  private redraw: Redraw | undefined; // the same; and until layers are asked for
+  private layered = false; // true: `redraw` has the frame's layers
   private gl: WebGL2RenderingContext | undefined;
   private frame: Frame | undefined; // the frame whose pictures are in the textures
 
@@ -78,7 +91,13 @@ export class Viewing implements Surface {
     );
   }
 
+  // Pictures that are asked for: with layers, both eyes are drawn from one.
   get views(): 1 | 2 {
+    return this.reprojection === 'layers' ? 1 : this.parts;
+  }
+
+  // Eyes that are drawn.
+  get parts(): 1 | 2 {
     return this.eyes === 'side' ? 2 : 1;
   }
 
@@ -86,6 +105,7 @@ export class Viewing implements Surface {
   choose(eyes: Eyes, reprojection: Reprojection): boolean {
     const plain = eyes === 'one' && reprojection === 'off';
     if (!plain && !this.prepare()) return false;
+    if (reprojection === 'layers' && !this.prepareLayers()) return false;
     [this.eyes, this.reprojection] = [eyes, reprojection];
     this.frame = undefined;
     this.warped.hidden = plain || !this.warp;
@@ -96,7 +116,7 @@ export class Viewing implements Surface {
   size(cap = this.host.cap): Size {
     const { clientWidth, clientHeight } = this.canvas;
     const grown = this.grows ? 1 + MARGIN : 1;
-    return requestedSize(clientWidth / this.views, clientHeight, window.devicePixelRatio * grown, cap);
+    return requestedSize(clientWidth / this.parts, clientHeight, window.devicePixelRatio * grown, cap);
   }
 
   wish(camera: Camera, size: Size): PoseWish {
@@ -105,15 +125,19 @@ export class Viewing implements Surface {
     const stereo = this.views === 2 ? { eyeSeparation: EYE_SEPARATION } : {};
     if (!this.grows) return { ...pose, ...stereo };
     const frustum = shaped(widened(symmetric(fovY, this.aspect()), MARGIN), size.width / size.height);
-    return { ...pose, ...stereo, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
+    const layers = this.reprojection === 'layers' ? { layers: LAYERS } : {};
+    return { ...pose, ...stereo, ...layers, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
   }
 
-  show(bitmaps: ImageBitmap[], frame: Frame): void {
+  show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
     if (!this.warp || this.warped.hidden) {
       this.flat.show(bitmaps, frame);
       this.shown = { position: frame.position, orientation: frame.orientation, made: frame };
       return;
     }
+    const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
+    this.layered = this.reprojection === 'layers' && this.redraw !== undefined && told !== undefined;
+    if (this.layered && picture && of && told) this.redraw?.take(picture, of, frame, told);
     this.warp.upload(bitmaps);
     for (const bitmap of bitmaps) bitmap.close();
     this.frame = frame;
@@ -133,12 +157,19 @@ export class Viewing implements Surface {
     const position = still ? frame.position : camera.position;
     const turn = still ? frame.orientation : orientation(camera);
     const frustum = symmetric(fovY, this.aspect());
-    const part = Math.floor(width / this.views);
-    for (let eye = 0; eye < this.views; ++eye) {
+    const part = Math.floor(width / this.parts);
+    for (let eye = 0; eye < this.parts; ++eye) {
       const from = Math.min(eye, frame.jpeg.length - 1);
-      const at = eyePosition(position, turn, eye, this.views, EYE_SEPARATION);
+      const at = eyePosition(position, turn, eye, this.parts, EYE_SEPARATION);
       const made = viewOf(frame, from, EYE_SEPARATION);
-      const depth = this.reprojection === 'plane' ? camera.distance : Infinity;
+      // From its own place a picture is what it is.
+      if (this.layered && (this.parts === 2 || !sameView(frame, position, turn))) {
+        const shown = { position: at, orientation: turn, frustum };
+        this.redraw?.draw(made, shown, null, eye * part, 0, part, height);
+        continue;
+      }
+      const moves = this.reprojection === 'plane' || this.reprojection === 'layers';
+      const depth = moves ? camera.distance : Infinity;
       this.warp.draw(
         from,
         warp(made, { position: at, orientation: turn, frustum }, depth),
@@ -162,7 +193,7 @@ export class Viewing implements Surface {
   }
 
   private aspect(): number {
-    return this.canvas.clientWidth / this.views / Math.max(1, this.canvas.clientHeight);
+    return this.canvas.clientWidth / this.parts / Math.max(1, this.canvas.clientHeight);
   }
 
   // Also true while the context is lost: it will be back.
@@ -171,6 +202,17 @@ export class Viewing implements Surface {
     this.gl ??= this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false }) ?? undefined;
     this.warp = this.makeWarp();
     return this.warp !== undefined || (this.gl?.isContextLost() ?? false);
+  }
+
+  // The same for layers.
+  private prepareLayers(): boolean {
+    if (this.redraw || !this.gl || this.gl.isContextLost()) return true;
+    try {
+      this.redraw = new Redraw(this.gl);
+    } catch (error) {
+      console.error('brume: pictures cannot be redrawn from layers:', error);
+    }
+    return this.redraw !== undefined;
   }
 
   private makeWarp(): Warp | undefined {
@@ -186,7 +228,9 @@ export class Viewing implements Surface {
   // The context was lost, and what was in it; or is back.
   private renew(warp: Warp | undefined): void {
     this.warp = warp;
-    this.frame = undefined;
+    this.redraw = this.frame = undefined;
+    this.layered = false;
+    if (warp && this.reprojection === 'layers') this.prepareLayers();
     this.warped.hidden = !warp || (this.eyes === 'one' && this.reprojection === 'off');
     this.host.again();
   }

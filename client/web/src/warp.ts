@@ -1,4 +1,5 @@
 // Draws pictures of one or two eyes with WebGL, each through a homography (projection.ts).
+import { makeProgram } from './program';
 import type { Matrix3 } from './projection';
 
 const VERTEX = `#version 300 es
@@ -44,27 +45,14 @@ export class Warp {
 
   // Throws if the WebGL context cannot compile it.
   constructor(private readonly gl: WebGL2RenderingContext) {
-    this.program = gl.createProgram();
-    for (const [type, source] of [
-      [gl.VERTEX_SHADER, VERTEX],
-      [gl.FRAGMENT_SHADER, FRAGMENT],
-    ] as const) {
-      const shader = gl.createShader(type);
-      if (!shader) throw new Error('the graphics context was lost');
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      gl.attachShader(this.program, shader);
-    }
-    gl.linkProgram(this.program);
-    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) {
-      throw new Error(gl.getProgramInfoLog(this.program) ?? 'the graphics context was lost');
-    }
+    this.program = makeProgram(gl, VERTEX, FRAGMENT);
     this.matrix = gl.getUniformLocation(this.program, 'warp');
   }
 
   // Uploads one picture for each eye. The bitmaps stay the caller's.
   upload(bitmaps: readonly ImageBitmap[]): void {
     const { gl } = this;
+    gl.activeTexture(gl.TEXTURE0); // others use the context, too
     bitmaps.forEach((bitmap, eye) => {
       this.textures[eye] ??= gl.createTexture();
       gl.bindTexture(gl.TEXTURE_2D, this.textures[eye]);
@@ -81,6 +69,7 @@ export class Warp {
     const { gl } = this;
     gl.viewport(x, y, width, height);
     gl.useProgram(this.program);
+    gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.textures[eye] ?? null);
     gl.uniformMatrix3fv(this.matrix, false, matrix);
     gl.drawArrays(gl.TRIANGLES, 0, 3);

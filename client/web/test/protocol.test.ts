@@ -1,7 +1,14 @@
 import { describe, expect, test } from 'vitest';
 import { decode } from '../src/decode';
 import { ProtocolError } from '../src/protocol';
+import { Builder } from 'flatbuffers';
 import { Body } from '../src/wire/brume/wire/body';
+import { DepthLayers as WireLayers } from '../src/wire/brume/wire/depth-layers';
+import { Frame as WireFrame } from '../src/wire/brume/wire/frame';
+import { Message } from '../src/wire/brume/wire/message';
+import { Quat as WireQuat } from '../src/wire/brume/wire/quat';
+import { Stages as WireStages } from '../src/wire/brume/wire/stages';
+import { Vec3 as WireVec3 } from '../src/wire/brume/wire/vec3';
 import { ErrorCode } from '../src/wire/brume/wire/error-code';
 import { bytesOf, examples, field, names, present, readMessage } from './examples';
 import type { Fields } from './examples';
@@ -21,6 +28,37 @@ describe('frozen examples', () => {
 
 describe('decode', () => {
   const body = (name: string): Fields => examples[name]?.body ?? {};
+
+  test('a frame with layers, whose pictures follow those of all views', () => {
+    const builder = new Builder(256);
+    const bytes = WireLayers.createBytesVector(builder, [1, 2, 3]);
+    WireLayers.startDepthLayers(builder);
+    WireLayers.addCount(builder, 4);
+    WireLayers.addColumns(builder, 18);
+    WireLayers.addSpacing(builder, 8);
+    WireLayers.addNearest(builder, 2.5);
+    WireLayers.addBytes(builder, bytes);
+    const layers = WireFrame.createLayersVector(builder, [WireLayers.endDepthLayers(builder)]);
+    const jpeg = WireFrame.createJpegBytesVector(builder, [2]);
+    WireFrame.startFrame(builder);
+    WireFrame.addPosition(builder, WireVec3.createVec3(builder, 0, 0, 0));
+    WireFrame.addOrientation(builder, WireQuat.createQuat(builder, 0, 0, 0, 1));
+    WireFrame.addStages(builder, WireStages.createStages(builder, 0, 0, 0, 0, 0));
+    WireFrame.addJpegBytes(builder, jpeg);
+    WireFrame.addLayers(builder, layers);
+    const message = Message.createMessage(builder, Body.Frame, WireFrame.endFrame(builder));
+    Message.finishSizePrefixedMessageBuffer(builder, message);
+    const head = builder.asUint8Array();
+    const all = (tail: number[]): ArrayBuffer => Uint8Array.from([...head, ...tail]).buffer;
+    const frame = decode(all([9, 9, 1, 2, 2, 3, 3, 3]));
+    expect(frame).toMatchObject({
+      jpeg: [Uint8Array.of(9, 9)],
+      layers: [{ count: 4, columns: 18, spacing: 8, nearest: 2.5, colours: Uint8Array.of(1) }],
+    });
+    expect(frame.kind === 'frame' && frame.layers?.[0]?.surface).toEqual(Uint8Array.of(3, 3, 3));
+    expect(() => decode(all([9, 9, 1, 2, 2, 3, 3]))).toThrow(ProtocolError);
+    expect(() => decode(all([9, 9]))).toThrow(ProtocolError);
+  });
 
   test('welcome', () => {
     const b = body('welcome');
