@@ -212,6 +212,32 @@ describe('two eyes', () => {
     await page.leave();
   });
 
+  test('a headset with layers draws both eyes from one picture, with the parallax of its distance', async (t) => {
+    const page = await openPage(t, browser, `${server.url}/?reproject=layers`, { script: headset(0) });
+    await connected(page);
+    await page.locator('#tool-vr').click();
+    await until(page, 'both eyes are drawn', ({ lastFrame, headset: on }) => lastFrame.layers > 0 && on?.drawn >= 5);
+    const {
+      camera,
+      headset: seen,
+      lastFrame,
+    } = await page.evaluate(() => {
+      const { camera, headset, lastFrame } = window.brume;
+      return { camera, headset, lastFrame };
+    });
+    assert.equal(lastFrame.views, 1);
+    assert.deepEqual([seen.asked.layers, seen.asked.frusta.length], [4, 1]);
+    const { drawn } = seen;
+    await until(page, 'newer ones are', (brume, most) => brume.headset.drawn > most + 3, drawn);
+    const eyes = await halves(page, 'div[data-webxr_runtime]');
+    for (const half of eyes) assert.ok(contrast(half) > 4, `an eye is nearly black: ${contrast(half)}`);
+    const pixel = (2 * Math.tan(FOV_Y / 2)) / eyes[0].length;
+    const wanted = IPD / camera.distance / pixel;
+    const found = disparity(eyes);
+    assert.ok(found > 0.8 * wanted && found < 1.6 * wanted, `${found} pixels of parallax where ${wanted} are due`);
+    await page.leave();
+  });
+
   test('a leaning projection is asked for and drawn', async (t) => {
     const lean = 0.2;
     const straight = disparity(await halves(await enter(t, 0), 'div[data-webxr_runtime]'));

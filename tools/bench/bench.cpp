@@ -201,6 +201,7 @@ private:
         command->add_option("--scenes", layers_.question.scenes, "each a scene, or scene:camera")->expected(1, -1);
         command->add_option("--size", layers_.size, "pixels that are shown");
         allow(command->add_option("--quality", layers_.question.quality, "of JPEG; 100: none, as drawn"), 1, 100);
+        command->add_flag("--over-time", layers_.question.over_time, "also of a camera that goes on");
         command->add_option("--pictures", layers_.question.pictures, "folder for pictures");
         addCosts(command);
         command->add_option("--out", layers_.out, kOutHelp)->default_str("");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -21,7 +22,8 @@ namespace brume::bench {
 namespace {
 
 constexpr uint32_t kCounts[] = {1, 2, 4, 8};
-constexpr int kFrames = 12;
+constexpr uint32_t kLayersOfPage = 4;
+constexpr int kFrames = 12; // of which the fastest counts
 
 struct Motion {
     const char* name;
@@ -29,6 +31,19 @@ struct Motion {
 };
 constexpr Motion kMotions[] = {{"0"},           {"32 mm", 0.032f}, {"64 mm", 0.064f}, {"0.2 m", 0.2f},
                                {"0.5 m", 0.5f}, {"5°", 0, 5},      {"10°", 0, 10},    {"15°", 0, 15}};
+
+// What is drawn for a view that is shown, with a margin.
+Pose wider(const Pose& shown, const LayersQuestion& question) {
+    Pose made = shown;
+    const Frustum f = frustumOf(shown, question.size.x, question.size.y);
+    const float wide = 1 + question.margin;
+    made.frustum = {wide * f.left, wide * f.right, wide * f.up, wide * f.down};
+    return made;
+}
+glm::uvec2 widerSize(const LayersQuestion& question) {
+    const glm::vec2 wide = (1 + question.margin) * glm::vec2(question.size);
+    return 2u * glm::uvec2(glm::round(wide / 2.0f));
+}
 
 Pose moved(const Pose& pose, const Motion& motion) {
     Pose out = pose;
@@ -82,12 +97,12 @@ struct Drawn {
     double device_ms = 1e30, device_layers_ms = 1e30; // the least of some frames without and with layers
 };
 
-Drawn drawn(Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t count, int quality) {
+Drawn drawn(Stage& stage, const Pose& pose, glm::uvec2 size, uint32_t count, int quality, int frames = 1) {
     Drawn out;
     LayeredPicture& p = out.picture;
     for (const uint32_t of : {0u, count}) {
         double& ms = of == 0 ? out.device_ms : out.device_layers_ms;
-        for (int i = 0; i < kFrames; ++i) ms = std::min(ms, stage.layered(pose, size, of).ms);
+        for (int i = 0; i < frames; ++i) ms = std::min(ms, stage.layered(pose, size, of).ms);
     }
     const Stage::Layered last = stage.layered(pose, size, count);
     const PictureView& view = last.picture;
@@ -142,19 +157,76 @@ RadianceImage redrawn(const LayeredPicture& p, const Pose& eye, glm::uvec2 size)
     return out;
 }
 
+// --- pictures over time ---
+
+constexpr uint32_t kRates[] = {60, 30, 15, 10, 5}; // pictures a second
+constexpr uint32_t kLooks = 12, kLookEvery = 7;    // of a display at 60 Hz, and ticks between them
+
+// A camera that goes on for `seconds`.
+struct Path {
+    const char* name;
+    float sideways = 0, around = 0; // m/s; degrees/s about the target
+};
+constexpr Path kPaths[] = {{"walks, 1.4 m/s", 1.4f}, {"orbits, 10°/s", 0, 10}};
+
+Pose along(const Path& path, const Pose& pose, glm::vec3 target, float seconds) {
+    Pose out = turnedAbout(pose, target, glm::radians(path.around) * seconds);
+    out.position += out.orientation * glm::vec3(path.sideways * seconds, 0, 0);
+    return out;
+}
+
+// Relative RMSE (%) and FLIP of what is seen, means over looks.
+struct Sight {
+    double error = 0, flip = 0;
+};
+std::string text(const Sight& s) { return fmt::format(" {:.2f} ({:.4f}) |", s.error, s.flip); }
+
+// A picture of the server stays until the next one, and is redrawn at each look of the display. The medium goes on.
+std::string overTime(const gpu::Device& device, const CostModel& costs, const LayersQuestion& question,
+                     const Case& one) {
+    std::string out = "\n| camera | pictures/s | stay | plane | 4 layers |\n|---|---|---|---|---|\n";
+    for (const Path& path : kPaths)
+        for (const uint32_t rate : kRates) {
+            Stage stage(device, one, question.ticks, costs);
+            const DisplaySettings display = displayOf(stage.scene().render);
+            const glm::vec3 target = stage.scene().camera.target;
+            const Pose first = stage.pose();
+            const uint32_t period = 60 / rate;
+            Sight stays, plane, layers;
+            std::optional<Drawn> shown;
+            Pose made;
+            for (uint32_t tick = 0, looks = 0; looks < kLooks; ++tick, stage.step({})) {
+                const Pose now = along(path, first, target, float(tick) / 60);
+                if (tick % period == 0) {
+                    made = now;
+                    shown = drawn(stage, wider(now, question), widerSize(question), kLayersOfPage, question.quality);
+                }
+                if (tick % kLookEvery != 0) continue;
+                ++looks;
+                const RadianceImage truth = stage.picture(now, question.size);
+                const std::vector<uint8_t> mask = mediumMask(truth);
+                const auto add = [&](Sight& to, const LayeredPicture& p, const Pose& eye) {
+                    const Errors e = compare(redrawn(p, eye, question.size), truth, display, mask);
+                    to.error += 100 * e.relative_rmse / kLooks, to.flip += e.flip / kLooks;
+                };
+                const LayeredPicture& p = shown->picture;
+                add(stays, distant(p), made);
+                add(plane, asPlane(p, glm::distance(made.position, target)), now);
+                add(layers, p, now);
+            }
+            out += fmt::format("| {} | {} |", path.name, rate) + text(stays) + text(plane) + text(layers) + '\n';
+        }
+    return out;
+}
+
 std::string tableOf(const gpu::Device& device, const CostModel& costs, const LayersQuestion& question,
                     const std::string& wanted) {
     const size_t colon = wanted.find(':');
     Case one{.scene = wanted.substr(0, colon), .size = question.size};
     if (colon != wanted.npos) one.camera = wanted.substr(colon + 1);
     Stage stage(device, one, question.ticks, costs);
-    const Pose shown = stage.pose();
-    Pose made = shown;
-    const Frustum f = frustumOf(shown, question.size.x, question.size.y);
-    const float wide = 1 + question.margin;
-    made.frustum = {wide * f.left, wide * f.right, wide * f.up, wide * f.down};
-    const glm::uvec2 size(std::lround(wide * float(question.size.x) / 2) * 2,
-                          std::lround(wide * float(question.size.y) / 2) * 2);
+    const Pose shown = stage.pose(), made = wider(shown, question);
+    const glm::uvec2 size = widerSize(question);
     const DisplaySettings display = displayOf(stage.scene().render);
 
     std::string out =
@@ -163,7 +235,7 @@ std::string tableOf(const gpu::Device& device, const CostModel& costs, const Lay
     out += " stays | rotation | plane |";
     std::vector<Drawn> layered;
     for (const uint32_t count : kCounts) {
-        layered.push_back(drawn(stage, made, size, count, question.quality));
+        layered.push_back(drawn(stage, made, size, count, question.quality, kFrames));
         out += fmt::format(" {} |", count);
     }
     out += "\n|---|---|---|---|---|---|---|---|\n";
@@ -201,6 +273,7 @@ std::string tableOf(const gpu::Device& device, const CostModel& costs, const Lay
         out += fmt::format("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", kCounts[i],
                            layered[i].flat_bytes, layered[i].layer_bytes, layered[i].surface_bytes,
                            layered[i].device_ms, layered[i].device_layers_ms, layered[i].flat_ms, layered[i].layers_ms);
+    if (question.over_time) out += overTime(device, costs, question, one);
     return out + '\n';
 }
 

@@ -12,9 +12,10 @@ struct LayersQuestion {
     std::vector<std::string> scenes; // each a scene, or scene:camera
     glm::uvec2 size{640, 360};       // that is shown; what is drawn is wider by `margin`
     float margin = 0.12f;
-    int quality = 90;     // of JPEG
-    uint32_t ticks = 60;  // simulated first
-    std::string pictures; // folder for pictures side by side; empty: none
+    int quality = 90;       // of JPEG
+    uint32_t ticks = 60;    // simulated first
+    bool over_time = false; // True: also of a medium and a camera that go on, at several rates of pictures
+    std::string pictures;   // folder for pictures side by side; empty: none
 };
 
 // Tables of errors, bytes and times, as Markdown.

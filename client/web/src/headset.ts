@@ -1,12 +1,14 @@
 // A WebXR session. It asks the server for pictures with the headset's pose, eye separation and projections. At every
-// frame of the headset's display it draws each eye's newest picture, reprojected to where that eye looks now.
+// frame of the headset's display it draws each eye's newest picture, turned to where that eye looks now. With layers it
+// asks for one picture from between the eyes, and redraws it as each eye sees it from where it is now.
 import { add, length, orientation, scale, subtract } from './camera';
-import type { Surface } from './picture';
-import { covering, fromProjection, multiply, rotate, shaped, warp, widened } from './projection';
+import type { LayerBitmaps, Surface } from './picture';
+import { covering, fromProjection, multiply, rotate, shaped, together, warp, widened } from './projection';
 import type { View } from './projection';
 import type { Frame, Quat, Vec3 } from './protocol';
+import { Redraw } from './redraw';
 import { requestedSize } from './size';
-import { MARGIN, viewOf } from './viewing';
+import { LAYERS, MARGIN, viewOf } from './viewing';
 import type { PoseWish, ViewingHost } from './viewing';
 import { Warp, watchContext } from './warp';
 
@@ -30,11 +32,22 @@ const reason = (error: unknown): string => (error instanceof Error ? error.messa
 const vec = (p: DOMPointReadOnly): Vec3 => [p.x, p.y, p.z];
 const quat = (p: DOMPointReadOnly): Quat => [p.x, p.y, p.z, p.w];
 
+// Undefined: this browser cannot redraw pictures from layers.
+function redrawOf(gl: WebGL2RenderingContext): Redraw | undefined {
+  try {
+    return new Redraw(gl);
+  } catch (error) {
+    console.error('brume: pictures cannot be redrawn from layers:', error);
+    return undefined;
+  }
+}
+
 export class Headset implements Surface {
   // For tests: number of display frames drawn, and the last pose that was asked for.
   drawn = 0;
   asked: PoseWish | undefined;
   private frame: Frame | undefined;
+  private layered = false; // true: `redraw` has the frame's layers
   private lostAt: number | undefined; // ms, when the connection was lost or the headset put on since
   private why = 'The headset’s session has ended.';
 
@@ -44,6 +57,7 @@ export class Headset implements Surface {
     private layer: XRWebGLLayer,
     private readonly gl: WebGL2RenderingContext,
     private warp: Warp | undefined, // undefined while the graphics context is lost
+    private redraw: Redraw | undefined, // the same, and without layers
     private readonly place: ViewingHost,
     private readonly events: HeadsetEvents,
     private readonly base: { position: Vec3; orientation: Quat },
@@ -51,7 +65,8 @@ export class Headset implements Surface {
 
   // Starts a session, upright, at the page's camera. To be called in the handler of a click: browsers start a session
   // from nothing else. Throws an Error whose message says in one line why there is none.
-  static async start(place: ViewingHost, events: HeadsetEvents): Promise<Headset> {
+  // `layered`: true for layers, if this browser can draw them.
+  static async start(place: ViewingHost, layered: boolean, events: HeadsetEvents): Promise<Headset> {
     const session = await navigator.xr?.requestSession('immersive-vr').catch((error: unknown) => {
       throw new Error(`The headset did not start: ${reason(error)}`);
     });
@@ -65,7 +80,8 @@ export class Headset implements Surface {
       const space = await session.requestReferenceSpace('local');
       const { camera } = place;
       const base = { position: camera.position, orientation: orientation({ ...camera, pitch: 0 }) };
-      const headset = new Headset(session, space, layer, gl, new Warp(gl), place, events, base);
+      const redraw = layered ? redrawOf(gl) : undefined;
+      const headset = new Headset(session, space, layer, gl, new Warp(gl), redraw, place, events, base);
       const ending = new AbortController();
       watchContext(canvas, ending.signal, headset.lose, headset.renew);
       const worn = (): void => {
@@ -87,6 +103,11 @@ export class Headset implements Surface {
     }
   }
 
+  // Pictures that are asked for.
+  get views(): 1 | 2 {
+    return this.redraw ? 1 : 2;
+  }
+
   // True while nobody wears it: its display then has no frames.
   get hidden(): boolean {
     return this.session.visibilityState === 'hidden';
@@ -102,8 +123,11 @@ export class Headset implements Surface {
     void this.session.end().catch(() => undefined); // it may have ended already
   }
 
-  show(bitmaps: ImageBitmap[], frame: Frame): void {
-    if (this.warp && bitmaps.length === 2) {
+  show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
+    const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
+    this.layered = this.redraw !== undefined && told !== undefined && of !== undefined;
+    if (this.layered && picture && of && told) this.redraw?.take(picture, of, frame, told);
+    if (this.warp && bitmaps.length === this.views) {
       this.warp.upload(bitmaps);
       this.frame = frame;
     }
@@ -112,6 +136,7 @@ export class Headset implements Surface {
 
   private readonly lose = (): void => {
     this.warp = this.frame = undefined;
+    this.layered = false;
   };
 
   // The graphics context is back, without what it held. The session's layer belonged to the lost one.
@@ -121,6 +146,7 @@ export class Headset implements Surface {
       this.layer = new XRWebGLLayer(this.session, this.gl, LAYER);
       await this.session.updateRenderState({ baseLayer: this.layer });
       this.warp = new Warp(this.gl);
+      if (this.redraw) this.redraw = redrawOf(this.gl);
       this.place.again();
     } catch (error) {
       this.end(`The headset’s pictures were lost: ${reason(error)}`);
@@ -145,13 +171,17 @@ export class Headset implements Surface {
     if (!frame) return;
     shown.forEach(({ view, seen }, eye) => {
       const at = layer.getViewport(view);
-      if (at) painter.draw(eye, warp(viewOf(frame, eye, 0), seen), at.x, at.y, at.width, at.height);
+      if (!at) return;
+      const from = Math.min(eye, frame.jpeg.length - 1);
+      const made = viewOf(frame, from, 0);
+      if (this.layered) this.redraw?.draw(made, seen, layer.framebuffer, at.x, at.y, at.width, at.height);
+      else painter.draw(from, warp(made, seen), at.x, at.y, at.width, at.height);
     });
     this.drawn += 1;
   };
 
-  private ask(head: Quat, shown: readonly { view: XRView; seen: View }[]): void {
-    const turn = multiply(this.base.orientation, head);
+  private ask(looks: Quat, shown: readonly { view: XRView; seen: View }[]): void {
+    const turn = multiply(this.base.orientation, looks);
     const [left, right = left] = shown;
     const at = left && this.layer.getViewport(left.view);
     if (!left || !right || !at) return;
@@ -159,14 +189,19 @@ export class Headset implements Surface {
     const frusta = [left, right].map(({ seen }) =>
       shaped(widened(covering(seen, turn), MARGIN), size.width / size.height),
     );
-    this.asked = {
+    const head = {
       position: scale(add(left.seen.position, right.seen.position), 0.5),
       orientation: turn,
       fovY: this.place.fovY,
-      eyeSeparation: length(subtract(right.seen.position, left.seen.position)),
-      frusta,
       ...size,
     };
+    const [one, other = one] = frusta;
+    if (this.redraw && one && other) {
+      const both = shaped(together(one, other), size.width / size.height);
+      this.asked = { ...head, frusta: [both], layers: LAYERS };
+    } else {
+      this.asked = { ...head, frusta, eyeSeparation: length(subtract(right.seen.position, left.seen.position)) };
+    }
     this.events.ask(this.asked);
   }
 

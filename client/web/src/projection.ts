@@ -106,6 +106,12 @@ export function warp(made: View, shown: View, depth = Infinity): Matrix3 {
   ];
 }
 
+// The frustum that covers both.
+export function together(a: Frustum, b: Frustum): Frustum {
+  const most = (side: keyof Frustum): number => Math.max(a[side], b[side]);
+  return { left: most('left'), right: most('right'), up: most('up'), down: most('down') };
+}
+
 // The point (x, y), mapped by `matrix`; undefined if it lies behind the eye.
 export function apply(matrix: Matrix3, x: number, y: number): readonly [u: number, v: number] | undefined {
   const at = (row: number): number => (matrix[row] ?? 0) * x + (matrix[row + 3] ?? 0) * y + (matrix[row + 6] ?? 0);

@@ -95,7 +95,7 @@ export class Viewer {
       {
         hello: () => {
           this.helloSize = this.size;
-          const views = this.headset ? 2 : this.viewing.views;
+          const views = this.headset?.views ?? this.viewing.views;
           return { client: CLIENT, ...this.size, views, quality: this.wishes.quality };
         },
         state: (state) => {
@@ -227,7 +227,7 @@ export class Viewer {
   async toggleHeadset(): Promise<void> {
     if (this.headset) return this.headset.end();
     try {
-      this.headset = await Headset.start(this, {
+      this.headset = await Headset.start(this, this.viewing.reprojection === 'layers', {
         ask: (wish) => {
           if (this.link.connected && this.link.sendPose({ ...wish, view: this.wishes.view }))
             this.statistics.sent(this.link.lastPose, 0);

@@ -27,7 +27,7 @@ export const reprojectionOf = (text: string | null): Reprojection => REPROJECTIO
 // Pictures for reprojection are wider and higher by the factor 1 + MARGIN.
 export const MARGIN = 0.1;
 // Layers with depth that are asked for.
-const LAYERS = 4;
+export const LAYERS = 4;
 // Distance between a person's eyes, m.
 export const EYE_SEPARATION = 0.064;
 
