@@ -92,15 +92,15 @@ TEST(Redraw, EachLayerMovesByItsDepth) {
     p.transmittance.assign(2 * nodes, 255);
     p.depth.assign(nodes, 0);       // 2 m
     p.depth.resize(2 * nodes, 255); // 8 m
-    const auto put = [&](uint32_t layer, uint32_t column, uint32_t row) {
+    const auto put = [&](size_t layer, size_t column, size_t row) {
         p.colours[layer * nodes + row * p.columns + column] = glm::u8vec3(255);
         p.transmittance[layer * nodes + row * p.columns + column] = 0;
     };
     put(0, 8, 4), put(1, 8, 10); // at pixels (28, 12) and (28, 36)
     p.picture.assign(p.picture.size(), glm::u8vec3(0));
-    for (int y = -3; y <= 3; ++y)
-        for (int x = -3; x <= 3; ++x)
-            for (const int row : {12, 36}) p.picture[size_t((row + y) * int(kWidth) + 28 + x)] = glm::u8vec3(200);
+    for (const size_t row : {12, 36})
+        for (size_t y = row - 3; y <= row + 3; ++y)
+            for (size_t x = 25; x <= 31; ++x) p.picture[y * kWidth + x] = glm::u8vec3(200);
     const std::vector<glm::vec3> out = drawn(p, {0.5f, 0, 0});
     EXPECT_NEAR(float(brightest(out, 12)), 28 - 0.5f / 2 * 48, 3.1f);
     EXPECT_NEAR(float(brightest(out, 36)), 28 - 0.5f / 8 * 48, 3.1f);
