@@ -14,6 +14,7 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 // Transmittance of all layers below which what is behind them is not told from the picture.
 constexpr float kLeastSeen = 0.3f;
+constexpr size_t kSmooth = 3;         // squares of 8 pixels: what is behind is smooth before it gets details
 constexpr float kTold = 2;            // over the mean square of transmittance above which a place tells what is behind
 constexpr float kLeastLight = 1e-4f;  // of all layers, exposed: where they show less, nothing is told of them
 constexpr uint32_t kSteps = 4;        // of finding where a ray meets a layer
@@ -92,11 +93,15 @@ Redraw::Redraw(const LayeredPicture& p)
     } else {
         behind_ = seenThrough(rest, attenuated);
     }
+    const bool is_sky = p.surface.empty() && count_ > 0;
     for (size_t i = 0; i < pixels; ++i) {
-        const glm::vec3 left = rest[i] - attenuated[i].a * behind_[i]; // so much more the layers send
-        const glm::vec3 own(attenuated[i]), factor = glm::clamp(1.0f + left / glm::max(own, kLeastLight), 0.25f, 4.0f);
+        const glm::vec3 own(attenuated[i]), seen = attenuated[i].a * behind_[i];
+        // What the picture shows besides, its details, belong to what is bright enough to have them.
+        const glm::vec3 left = rest[i] - seen;
+        const glm::vec3 part = is_sky ? glm::vec3(1) : own / glm::max(own + glm::max(seen, 0.0f), kLeastLight);
+        const glm::vec3 factor = glm::clamp(1.0f + part * left / glm::max(own, kLeastLight), 0.25f, 4.0f);
         for (std::vector<glm::vec4>& layer : layers_) layer[i] *= glm::vec4(factor, 1);
-        behind_[i] += (left - (factor - 1.0f) * own) / std::max(attenuated[i].a, kLeastSeen); // what none can
+        behind_[i] += (left - (factor - 1.0f) * own) / std::max(attenuated[i].a, kLeastSeen);
     }
     if (p.surface.empty()) return;
     surface_.resize(pixels);
@@ -130,7 +135,8 @@ std::vector<glm::vec4> Redraw::everywhere(const std::vector<glm::vec4>& nodes) c
     return out;
 }
 
-// What is behind the layers: `rest` over their transmittance, and where they let little through what is seen around.
+// What is behind the layers, smooth: `rest` over their transmittance, from farther around where they let little
+// through.
 std::vector<glm::vec3> Redraw::seenThrough(std::span<const glm::vec3> rest, std::span<const glm::vec4> layers) const {
     // Means over squares of 1, 2, 4 ... pixels: rest * transmittance, and its square.
     struct Level {
@@ -157,7 +163,7 @@ std::vector<glm::vec3> Redraw::seenThrough(std::span<const glm::vec3> rest, std:
         for (uint32_t x = 0; x < width_; ++x) {
             float left = 1; // of the weights
             glm::vec3& own = out[size_t(y) * width_ + x];
-            for (size_t level = 0; level < levels.size() && left > 1e-3f; ++level) {
+            for (size_t level = std::min(kSmooth, levels.size() - 1); level < levels.size() && left > 1e-3f; ++level) {
                 const Level& of = levels[level];
                 const glm::vec4 mean =
                     linear(of.of, of.width, of.height, (glm::vec2(x, y) + 0.5f) / float(1u << level));

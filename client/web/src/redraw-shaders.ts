@@ -111,18 +111,20 @@ void main() {
   vec3 rest = linear_of(texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb) - all.rgb, seen = vec3(0.0);
   if (sky) {
     seen = texelFetch(layers, ivec3(gl_FragCoord.xy, count), 0).rgb;
-  } else { // where layers let little through, what is seen around
+  } else { // smooth, from farther around where layers let little through
     vec2 at = gl_FragCoord.xy / vec2(textureSize(means, 0));
     float left = 1.0;
-    for (int level = 0; level < levels && left > 1e-3; ++level) {
+    for (int level = min(3, levels - 1); level < levels && left > 1e-3; ++level) {
       vec4 mean = textureLod(means, at, float(level));
       float part = level + 1 == levels ? left : left * min(2.0 * mean.a, 1.0);
       seen += part * mean.rgb / max(mean.a, 1e-6);
       left -= part;
     }
   }
-  vec3 more = rest - all.a * seen, times = clamp(1.0 + more / max(all.rgb, 1e-4), 0.25, 4.0);
-  if (count == 0) times = vec3(1.0);
+  // What the picture shows besides, its details, belong to what is bright enough to have them.
+  vec3 more = rest - all.a * seen;
+  vec3 part = sky ? vec3(1.0) : all.rgb / max(all.rgb + max(all.a * seen, 0.0), 1e-4);
+  vec3 times = clamp(1.0 + part * more / max(all.rgb, 1e-4), 0.25, 4.0);
   behind = vec4(seen + (more - (times - 1.0) * all.rgb) / max(all.a, ${LEAST_SEEN}), 1.0);
   factor = vec4(times, 1.0);
 }`;
