@@ -270,7 +270,7 @@ void Renderer::gatherEyes(const UniformBlocks& blocks, std::span<const EyeReques
               .pose = drawn_[i].pose,
               .block = &views_[i],
               .history = eyes[i].history,
-              .depth_layers = eyes[i].depth_layers,
+              .depth_layers = hues_.size() > 1 ? 0 : eyes[i].depth_layers, // a layer has one transmittance
               .near_plane_cuts = nearPlaneCuts(upload_.tick(), eyes[i])};
         in.resources = gpu::Resources(&in.medium->resources);
         in.resources.give(blocks.drawnEye(i));

@@ -136,6 +136,13 @@ TEST_F(DepthLayersTest, SurfacesHaveTheirDepth) {
     EXPECT_EQ(props.layers.surface[0], gpu::kSkyByte);
 }
 
+// A layer has one transmittance for all channels.
+TEST_F(DepthLayersTest, OfColouredExtinctionThereAreNone) {
+    const Drawn coloured = drawn("cloud", 4, {"medium.extinction_colour=[1,0.5,0.25]"});
+    EXPECT_EQ(coloured.layers.count, 0u);
+    EXPECT_EQ(coloured.layers.surface, nullptr);
+}
+
 // Methods without rays, and glass, have none: pictures come without, and nothing fails.
 TEST_F(DepthLayersTest, OfOtherMethodsThereAreNone) {
     Scene scene = loadScene("server/scenes/cloud.toml");
