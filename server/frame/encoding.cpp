@@ -64,8 +64,10 @@ void Encoding::deliver(const Batch& batch, uint32_t job, std::span<const Picture
         const EncodedPictures pictures =
             encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
         std::array<LayersPtr, 2> layered;
-        for (size_t view = 0; view < views.size(); ++view)
-            if (layers[view].count > 0 || layers[view].surface)
+        // A frame has layers of all its views or of none.
+        const auto has_some = [](const DepthLayersView& one) { return one.count > 0 || one.surface; };
+        if (std::ranges::all_of(layers, has_some))
+            for (size_t view = 0; view < views.size(); ++view)
                 layered[view] = frameLayers(layers[view], views[view].layout, wanted.quality, jpeg);
         const Clock::time_point encoded = Clock::now();
         metrics_.encoded(uint32_t(views.size()));
