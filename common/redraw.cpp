@@ -14,13 +14,16 @@ namespace {
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 // Transmittance of all layers below which what is behind them is not told from the picture.
 constexpr float kLeastSeen = 0.3f;
-constexpr size_t kSmooth = 3;         // squares of 8 pixels: what is behind is smooth before it gets details
-constexpr float kTold = 2;            // over the mean square of transmittance above which a place tells what is behind
-constexpr float kLeastLight = 1e-4f;  // of all layers, exposed: where they show less, nothing is told of them
-constexpr uint32_t kSteps = 4;        // of finding where a ray meets a layer
-constexpr float kSurfaceStep = 1;     // pixels, between places where a ray is compared with surfaces
-constexpr uint32_t kMostSurface = 64; // such places of a ray
-constexpr float kSameSide = 0.9f;     // of the depth of a surface: one that is nearer is another one
+// The level of means, over squares of 2^3 pixels, from which what is behind the layers is taken: smooth, without
+// detail.
+constexpr size_t kSmooth = 3;
+// Weight of a mean over its squared transmittance. What is left of 1 goes to wider means.
+constexpr float kTold = 2;
+constexpr float kLeastLight = 1e-4f;  // exposed light of all layers below which they get no details
+constexpr uint32_t kSteps = 4;        // steps by which a ray finds where it meets a layer
+constexpr float kSurfaceStep = 1;     // pixels between places where a ray is compared with surfaces
+constexpr uint32_t kMostSurface = 64; // places of a ray that are compared, at most
+constexpr float kSameSide = 0.9f;     // part of a surface's depth: one nearer than that is another surface
 constexpr float kSameSurface = 0.05f; // most difference of depths of one surface, as a part of them
 
 // Inverse of what a display shows: sRGB byte -> exposed linear light.
@@ -69,7 +72,7 @@ Redraw::Redraw(const LayeredPicture& p)
     const std::vector<float> light = curve(p.filmic);
     const auto lightOf = [&](glm::u8vec3 c) { return glm::vec3(light[c.r], light[c.g], light[c.b]); };
     const size_t pixels = size_t(width_) * height_, nodes = size_t(columns_) * rows_;
-    std::vector<glm::vec4> attenuated(pixels, glm::vec4(0, 0, 0, 1)); // of all layers so far
+    std::vector<glm::vec4> attenuated(pixels, glm::vec4(0, 0, 0, 1)); // light and transmittance of all layers so far
     for (uint32_t k = 0; k < count_; ++k) {
         std::vector<glm::vec4> at(nodes);
         std::vector<float>& depth = depths_.emplace_back(nodes);
@@ -84,7 +87,7 @@ Redraw::Redraw(const LayeredPicture& p)
             before = glm::vec4(glm::vec3(before) + before.a * glm::vec3(own), before.a * own.a);
         }
     }
-    std::vector<glm::vec3> rest(pixels); // what the picture shows besides them
+    std::vector<glm::vec3> rest(pixels); // light of the picture without theirs
     for (size_t i = 0; i < pixels; ++i) rest[i] = lightOf(p.picture[i]) - glm::vec3(attenuated[i]);
     if (p.surface.empty() && count_ > 0) {
         std::vector<glm::vec4> sky(nodes);
@@ -161,7 +164,7 @@ std::vector<glm::vec3> Redraw::seenThrough(std::span<const glm::vec3> rest, std:
     std::vector<glm::vec3> out(rest.size());
     for (uint32_t y = 0; y < height_; ++y)
         for (uint32_t x = 0; x < width_; ++x) {
-            float left = 1; // of the weights
+            float left = 1; // weight that no mean has yet
             glm::vec3& own = out[size_t(y) * width_ + x];
             for (size_t level = std::min(kSmooth, levels.size() - 1); level < levels.size() && left > 1e-3f; ++level) {
                 const Level& of = levels[level];

@@ -16,16 +16,16 @@ namespace brume {
 struct LayeredPicture {
     Pose eye;                         // with the frustum that was drawn
     uint32_t width = 0, height = 0;   // pixels
-    float exposure = 1;               // that radiance was multiplied by
-    bool filmic = false;              // True: and tone mapped after (DisplaySettings)
+    float exposure = 1;               // factor of all radiance
+    bool filmic = false;              // True: colours are tone mapped (DisplaySettings)
     std::vector<glm::u8vec3> picture; // sRGB
 
     uint32_t count = 0;             // layers, near to far
     uint32_t columns = 0, rows = 0; // nodes of a layer
     float spacing = 1, first = 0;   // pixels between nodes, and to the first, each way
     float near = 1, far = 1;        // m, view depths of bytes 0 and 255
-    // Of count * rows * columns nodes, with nothing in front; and where there is nothing but sky as many as a layer has
-    // of what is behind all of them.
+    // sRGB of count * rows * columns nodes, as seen with nothing in front. Without surfaces there are rows * columns
+    // more: the sky behind all layers.
     std::vector<glm::u8vec3> colours;
     std::vector<uint8_t> transmittance; // the same
     std::vector<uint8_t> depth;

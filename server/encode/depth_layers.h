@@ -8,8 +8,8 @@ namespace brume {
 
 // Bytes that layers of a picture take before they are encoded, at most: of the lattice's, and of all. Multiples of 8.
 constexpr uint64_t latticeBytes(uint32_t width, uint32_t height, uint32_t count) {
-    constexpr uint32_t kBeyond = 8,
-                       kBlock = 8; // nodes outside of the picture, in rows and columns; rows of JPEG's block
+    constexpr uint32_t kBeyond = 8; // nodes outside of the picture, in rows and columns
+    constexpr uint32_t kBlock = 8;  // rows of a block of JPEG
     const uint64_t columns = width / gpu::kLeastLayerSpacing + 1 + kBeyond;
     const uint64_t rows = height / gpu::kLeastLayerSpacing + 1 + kBeyond;
     const uint64_t plane = (columns + 7) / 8 * 8 * ((rows + kBlock - 1) / kBlock * kBlock);

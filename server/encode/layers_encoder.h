@@ -1,4 +1,5 @@
-// Encodes a picture's layers with depth: colours as JPEG without subsampling, transmittance and depths as grey PNG.
+// Encodes a picture's layers with depth: colours as JPEG without subsampling, transmittance and depths as grey JPEG,
+// depths of surfaces as grey PNG.
 #pragma once
 
 #include <vector>
@@ -10,7 +11,7 @@ namespace brume {
 
 struct EncodedLayers {
     std::vector<uint8_t> colours; // JPEG; DepthLayersView::colours
-    std::vector<uint8_t> data;    // PNG: transmittance of all layers, and below it their depths
+    std::vector<uint8_t> data;    // JPEG: transmittance of all layers, and below it their depths
     std::vector<uint8_t> surface; // PNG of the picture's size
     float nearest = 0;            // m, least depth of a surface; 0: nothing but sky
 };

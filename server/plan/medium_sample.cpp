@@ -101,8 +101,7 @@ std::vector<SampledParticle> MediumSample::seenIn(const Pixels& pixels) const {
     std::vector<SampledParticle> out;
     if (2 * light.size() > candidates_.size()) {
         out = even_;
-    } else { // few of the medium's sample may be in the picture: another of those that are, by their order in the
-             // medium
+    } else { // Few of the medium's sample may be in the picture. Another one is of those that are, in their order.
         const size_t stride = (light.size() + kMostEven - 1) / kMostEven;
         for (size_t i = 0; i < light.size(); i += stride) out.push_back(*light[i].second);
         const double times = double(light.size()) / double(out.size());

@@ -337,13 +337,12 @@ void features(const Context& context, uint32_t frames, const std::filesystem::pa
 void layers(const Context& context, LayersOptions options) {
     const gpu::Device device(context.device);
     options.question.size = sizeOf(options.size);
-    const CostModel costs = costsOf(context, device);
     const std::string about = fmt::format(
         "# Pictures redrawn from layers with depth\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}.\n\n"
         "A picture and its layers are drawn {} wider than what is shown, coded as viewers get them, and redrawn from "
         "another place. The true picture there is drawn the same way.\n\n",
         context.command, today(), cpu(), device.name(), device.driver(), options.question.margin);
-    writeText(options.out, about + layersTables(device, costs, options.question));
+    writeText(options.out, about + layersTables(device, costsOf(context, device), options.question));
 }
 
 void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out) {

@@ -266,9 +266,9 @@ std::string tableOf(const gpu::Device& device, const CostModel& costs, const Lay
         }
         out += '\n';
     }
-    out +=
-        "\n| layers | bytes flat | of layers | of surfaces | device, ms flat | with layers | encoding, ms flat | layers |\n"
-        "|---|---|---|---|---|---|---|---|\n";
+    out += "\n| layers | bytes flat | of layers | of surfaces | device, ms flat | with layers | encoding, ms flat "
+           "| layers |\n"
+           "|---|---|---|---|---|---|---|---|\n";
     for (size_t i = 0; i < layered.size(); ++i)
         out += fmt::format("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", kCounts[i],
                            layered[i].flat_bytes, layered[i].layer_bytes, layered[i].surface_bytes,
