@@ -139,7 +139,11 @@ Batch* Drawing::freeBatch() {
 bool Drawing::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
-    if (planning_.isLate(batch.taken)) ++shown_.version; // also pictures at rest are drawn anew
+    if (planning_.isLate(batch.taken)) ++shown_.version;    // also pictures at rest are drawn anew
+    if (layers_wait_ && *layers_wait_ != ways_.version()) { // pictures at rest may have layers now
+        layers_wait_.reset();
+        ++shown_.version;
+    }
     Planner& planner = planning_.planner();
     const Plan& before = planner.plan();
     const bool known = !before.passes.empty(); // false: nothing of this scene was drawn yet
@@ -157,6 +161,7 @@ bool Drawing::render(Batch& batch) {
                              .still = !known || planner.drawable(finer(before.chosen.settings), true),
                              .full = shown_.hasSeveralHues(),
                              .deferred = deferred_,
+                             .layers_last = pace_.lasts(batch.taken),
                              .bytes = mostPlaneBytes()},
                             batch.taken, batch);
     viewers_.clear();
@@ -166,6 +171,8 @@ bool Drawing::render(Batch& batch) {
     if (batch.one_shot) return renderOneShot(batch);
     most_full_ms_ = std::max(most_full_ms_, batch_planner_.fullBatchMs());
     rendered_tick_ = batch.tick;
+    if (std::ranges::any_of(batch.jobs, [](const BatchJob& job) { return job.due.request.layers > 0; }))
+        pace_.look(shown_.simulation);
 
     const RenderSettings& planned = planning_.settings(batch.views, batch.taken);
     const Plan& plan = planner.plan();
@@ -217,7 +224,9 @@ void Drawing::askForLayers(Batch& batch, const RenderSettings& settings) {
         if (eye.depth_layers == 0) continue;
         RenderSettings own = settings;
         if (eye.rate) own.rate = eye.rate;
-        if (!ways_.mayHaveLayers(own)) eye.depth_layers = 0;
+        if (ways_.mayHaveLayers(own)) continue;
+        eye.depth_layers = 0;
+        layers_wait_ = ways_.version();
     }
 }
 

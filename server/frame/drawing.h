@@ -13,6 +13,7 @@
 #include "server/frame/planning.h"
 #include "server/gpu/pipeline_cache.h"
 #include "server/loop/device_ledger.h"
+#include "server/loop/medium_pace.h"
 #include "server/loop/scene_report.h"
 #include "server/render/idle_memory.h"
 #include "server/viewer/audience.h"
@@ -30,6 +31,7 @@ public:
     // Frames of all viewers may take so long, in ms; laws are wrong by this factor: FrameOptions.
     void setBudget(double frame_ms, double law_factor);
     Planning& planning() { return planning_; }
+    MediumPace& pace() { return pace_; }
     CompiledWays& ways() { return ways_; }
 
     // True: a batch is on the device.
@@ -85,6 +87,7 @@ private:
     std::optional<Renderer> renderer_; // made anew after a submission failed
     Planning planning_;
     Measuring measuring_;
+    MediumPace pace_;
 
     std::vector<std::unique_ptr<Batch>> batches_;
     Batch* on_device_ = nullptr;
@@ -95,6 +98,7 @@ private:
     std::vector<uint32_t> deferred_; // viewers whose one-shot pictures wait for shaders
     uint64_t deferred_with_ = 0;     // CompiledWays::version() when they were looked at
     Clock::time_point deferred_since_{};
+    std::optional<uint64_t> layers_wait_; // CompiledWays::version() when pictures last went without their layers
     DeviceLedger ledger_;
     IdleMemory idle_memory_; // of the pictures' buffers
     Refinement refinement_;

@@ -64,9 +64,9 @@ void Encoding::deliver(const Batch& batch, uint32_t job, std::span<const Picture
         const EncodedPictures pictures =
             encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
         std::array<LayersPtr, 2> layered;
-        // A frame has layers of all its views or of none.
-        const auto has_some = [](const DepthLayersView& one) { return one.count > 0 || one.surface; };
-        if (std::ranges::all_of(layers, has_some))
+        // A frame has layers of all its views or of none. Those of a method that has none are empty.
+        const auto eyes = std::span(batch.eyes).subspan(batch.jobs[job].first_eye, views.size());
+        if (std::ranges::all_of(eyes, [](const EyeRequest& eye) { return eye.depth_layers > 0; }))
             for (size_t view = 0; view < views.size(); ++view)
                 layered[view] = frameLayers(layers[view], views[view].layout, wanted.quality, jpeg);
         const Clock::time_point encoded = Clock::now();

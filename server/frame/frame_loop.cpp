@@ -107,6 +107,7 @@ void FrameLoop::tick() {
     const Clock::time_point begin = Clock::now();
     Simulation& simulation = shown_.simulation;
     const bool empty = simulation.liveCount() == 0;
+    if (!commands_.empty()) drawing_.pace().disturb(begin);
     simulation.step(commands_);
     for (const Command& command : commands_) {
         const Asks asks = asksFor(command.body);

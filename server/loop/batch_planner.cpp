@@ -31,18 +31,18 @@ void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, 
                                    : std::numeric_limits<double>::infinity());
 }
 
-void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, bool full,
-                           Clock::time_point now) {
+void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
+                           bool still, Clock::time_point now) {
     due_.clear();
     requests_.clear();
     draw_requests_.clear();
     for (size_t i = 0; i < viewers.size(); ++i) {
         const std::shared_ptr<Viewer>& viewer = viewers[i];
-        const auto due = viewer->pollDue(now, scene, still, most_pixels_[i]);
+        const auto due = viewer->pollDue(now, scene, still, most_pixels_[i], limits.layers_last);
         if (!due) continue;
         const auto same = std::find_if(requests_.begin(), requests_.end(),
                                        [&](const PoseRequest& request) { return samePictures(request, *due); });
-        const PlaneLayout layout{due->width, due->height, full};
+        const PlaneLayout layout{due->width, due->height, limits.full || still};
         draw_requests_.push_back(
             {.viewer = viewer->id(),
              .pixels = paidPixels(*due),
@@ -107,11 +107,11 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.full_batch_ratio = 1;
     schedule_.expect(limits.ms_per_pixel);
     limitSizes(viewers, limits.most_ms);
-    findDue(viewers, scene, false, limits.full, now);
+    findDue(viewers, scene, limits, false, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
         limitSizes(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));
-        findDue(viewers, scene, true, true, now);
+        findDue(viewers, scene, limits, true, now);
     }
     const size_t watched = requests_.size();
     findOneShots(viewers, limits.deferred);

@@ -51,6 +51,7 @@ public:
         bool still = true;                    // False: still pictures wait
         bool full = false;                    // True: all pictures have full colour, also those that move
         std::span<const uint32_t> deferred{}; // ids of viewers whose one-shot pictures wait
+        Clock::duration layers_last{};        // so long a picture with layers shows the medium right
         uint64_t bytes = ~0ull;               // of a batch's pictures; a viewer that exceeds them alone is drawn alone
     };
     // Takes the due viewers that the budget allows. `scene`: a version of all that is seen. When nothing has changed
@@ -85,7 +86,7 @@ private:
     void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> deferred);
     void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
                      Clock::time_point now, BatchContents& out);
-    void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, bool still, bool full,
+    void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits, bool still,
                  Clock::time_point now);
     uint32_t seatOf(const std::string& owner);
     void keepRecent(size_t watched, Clock::time_point now);

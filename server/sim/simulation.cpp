@@ -274,19 +274,23 @@ const SceneNow& Simulation::now() const { return state_->now; }
 const Past* Simulation::past() const { return state_->past ? &*state_->past : nullptr; }
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 
-void Simulation::write(std::span<gpu::Particle> out) const {
+void Simulation::write(std::span<gpu::Particle> out, uint32_t every) const {
     const State& s = *state_;
     const Columns& c = *s.columns;
     // The medium's albedo acts on those that came with the points as a factor; nothing is relative to a start of 0.
     const std::span<const glm::vec3> albedos = s.motion->albedos();
     const glm::vec3 factor = quotient(s.now.medium.albedo, s.first_now.medium.albedo);
     size_t to = 0;
-    for (const Rows run : s.motion->living())
-        for (uint32_t i = run.begin; i < run.end; ++i)
+    uint32_t skip = 0; // rows of the next run
+    for (const Rows run : s.motion->living()) {
+        uint32_t i = run.begin + skip;
+        for (; i < run.end; i += every)
             out[to++] = {{c[Column::x][i], c[Column::y][i], c[Column::z][i]},
                          c[Column::scale][i],
                          albedos.empty() ? s.now.medium.albedo : glm::min(albedos[i] * factor, 1.0f),
                          c[Column::sigma][i]};
+        skip = i - run.end;
+    }
 }
 
 } // namespace brume

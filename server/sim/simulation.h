@@ -89,8 +89,9 @@ public:
     const PointCloudFacts* pointCloud() const; // null unless points come from files
     // The last limits::kPathGroups.hi ticks, of a union medium whose particles stay the same ones. Null: of others.
     const Past* past() const;
-    // Writes the live particles, in a stable order. Precondition: out.size() >= liveCount().
-    void write(std::span<gpu::Particle> out) const;
+    // Writes every so many of the live particles, in a stable order, beginning with the first. Precondition: `out` has
+    // room for liveCount() / every of them, rounded up.
+    void write(std::span<gpu::Particle> out, uint32_t every = 1) const;
 
 private:
     void keepPast();

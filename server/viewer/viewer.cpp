@@ -1,6 +1,7 @@
 #include "server/viewer/viewer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "common/view_names.h"
@@ -14,6 +15,23 @@ constexpr std::chrono::milliseconds kMeasuresEvery{250};
 constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
 constexpr float kMeanWaitMs = 500.0f / 60; // mean time until a display's next frame
+
+// A camera that has moved or turned further leaves what a picture with layers shows well: parts of the depth of what it
+// shows, and radians. Layers of a cloud added no error within twice the first (docs/results/layers.md). The second is
+// half of the margin that pages ask for.
+constexpr float kMovedPart = 0.02f, kTurned = 0.035f;
+
+// m, of what moves most in a picture when its eye moves. 0: it has no layers.
+float depthOf(const EncodedFrame& frame) {
+    float depth = 0;
+    for (const LayersPtr& layers : frame.layers) {
+        if (!layers) continue;
+        const float medium = layers->count > 0 ? std::sqrt(layers->near * layers->far) : 0;
+        for (const float one : {medium, layers->nearest})
+            if (one > 0) depth = depth > 0 ? std::min(depth, one) : one;
+    }
+    return depth;
+}
 
 // The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
 // quarter to spare, so that sizes do not swing.
@@ -136,7 +154,7 @@ double Viewer::wishedPixels() const {
 }
 
 std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
-                                           double most_pixels) {
+                                           double most_pixels, Clock::duration layers_last) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = this->step();
@@ -164,8 +182,23 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         held_back_ = held_back_ || pacing_.isHeldByBytes();
         return {};
     }
+    layers_every_ = 1;
+    if (!still_picture && layers_last > Clock::duration{} && redraws(request)) {
+        if (now - made_at_ < layers_last) return {};
+        layers_every_ = uint32_t(layers_last / ticksLong(1));
+    }
     if (!still_picture && step.every > 1 && now - made_at_ < ticksLong(step.every - 0.5)) return {};
     return request;
+}
+
+bool Viewer::redraws(const PoseRequest& request) const {
+    if (!made_ || layers_depth_ == 0) return false;
+    PoseRequest there = request;
+    there.pose.position = made_->pose.position, there.pose.orientation = made_->pose.orientation;
+    const glm::quat turn = glm::inverse(made_->pose.orientation) * request.pose.orientation;
+    return samePictures(*made_, there) &&
+           glm::distance(made_->pose.position, request.pose.position) < kMovedPart * layers_depth_ &&
+           2 * std::asin(std::min(glm::length(glm::vec3(turn.x, turn.y, turn.z)), 1.0f)) < kTurned;
 }
 
 PoseRequest Viewer::reducedBy(const QualityStep& step) const {
@@ -216,6 +249,7 @@ void Viewer::deliver(FramePtr frame) {
             ++counts_.superseded;
         }
         if (overtaken) return;
+        layers_depth_ = depthOf(*frame);
         frame_ = std::move(frame);
     }
     const std::scoped_lock lock(notify_mutex_);
@@ -279,7 +313,7 @@ QualityStep Viewer::step() const { return quality_.step(pose_ && pose_->keeps_si
 
 uint32_t Viewer::every() const {
     const std::scoped_lock lock(mutex_);
-    return step().every;
+    return std::max<uint32_t>(step().every, layers_every_);
 }
 
 History Viewer::history() const {

@@ -89,8 +89,11 @@ public:
     // ms,
     //   and PNG 150 ms later, over a link that does not queue. Each comes once. Who looks at errors gets more while
     //   something can be measured. Refinements have the size that was asked for, if `most_pixels` allows it.
+    // - `layers_last`: for so long a picture with layers shows the medium right. Until then nothing is due of one that
+    //   the viewer can redraw: its camera has moved little.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
-                                       double most_pixels = std::numeric_limits<double>::infinity());
+                                       double most_pixels = std::numeric_limits<double>::infinity(),
+                                       Clock::duration layers_last = {});
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
     double wishedPixels() const;
     // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
@@ -135,6 +138,7 @@ private:
     // Precondition of both: mutex_ is held.
     QualityStep step() const;
     PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
+    bool redraws(const PoseRequest& request) const;       // True: the viewer can redraw it from its last picture
 
     const uint32_t id_;
     mutable std::mutex mutex_;
@@ -152,6 +156,8 @@ private:
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
+    float layers_depth_ = 0;              // m, of what moves most in its last picture's layers; 0: it had none
+    uint32_t layers_every_ = 1;           // least ticks between frames while it redraws them
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made
     double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`
     std::optional<DeviceLoad> device_;    // since the last observe()
