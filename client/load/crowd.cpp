@@ -1,6 +1,7 @@
 #include "client/load/crowd.h"
 
 #include <algorithm>
+#include <cmath>
 #include <future>
 #include <numbers>
 #include <stdexcept>
@@ -23,6 +24,8 @@ constexpr uint64_t kLookEveryUs = 100'000; // period of the check for viewers th
 constexpr uint64_t kTryEveryUs = 250'000;  // wait of a viewer that found no server, before it tries all again
 constexpr size_t kMostNamed = 16;          // servers that goodbyes may name beside those of the options
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
+
+constexpr float kWider = 1.1f; // factor on the sides of a picture that is to be redrawn
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
 
@@ -189,13 +192,21 @@ std::optional<size_t> Crowd::named(const Viewer& viewer) {
     return servers_.size() - 1;
 }
 
+bool Crowd::sendPose(client::Session& session, Pose pose) const {
+    if (options_.layers == 0) return session.sendPose(pose).has_value();
+    pose.fov_y = 2 * std::atan(kWider * std::tan(pose.fov_y / 2));
+    const auto wider = [](uint16_t pixels) { return uint16_t(std::lround(kWider * float(pixels))); };
+    return session.sendPose(pose, wider(options_.wishes.width), wider(options_.wishes.height), false, options_.layers)
+        .has_value();
+}
+
 void Crowd::talk(Viewer& viewer, uint64_t now) {
     const double period = client::secondsOf(viewer.path.kind);
     const auto pose = [&] { return viewer.camera.at(double(now - start_us_) * 1e-6 + viewer.phase * period); };
     if (now >= viewer.next_pose_us) {
         Pose next = pose();
         if (viewer.path.stereo) next.eye_separation = client::kEyeSeparation;
-        if (viewer.session.sendPose(next)) viewer.unanswered.push_back(now);
+        if (sendPose(viewer.session, next)) viewer.unanswered.push_back(now);
         // 61 a second on average, without catching up on a time in which this program did not run.
         viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
     }

@@ -43,6 +43,7 @@ private:
     // Serves every viewer once, then waits for the sockets or the next pose.
     void step();
     void talk(Viewer& viewer, uint64_t now);
+    bool sendPose(client::Session& session, Pose pose) const; // with layers, if they are asked for
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
     void welcome(Viewer& viewer);

@@ -66,6 +66,10 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
           100);
     app.add_flag("--fixed-size", options.wishes.keep_size,
                  "Pictures come more seldom, not smaller, however busy the server is: for comparisons");
+    allow(app.add_option(
+              "--layers", options.layers,
+              "Layers with depth that every viewer asks for, in pictures a tenth wider and higher, as pages do"),
+          0, 8);
     app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
     allow(app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
               ->capture_default_str(),

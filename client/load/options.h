@@ -28,6 +28,7 @@ struct Options {
     double timeout = 30;                               // s without a frame, or for connecting, until it gives up
     std::vector<Path> paths{Path{}};                   // given to the viewers in turn
     client::Wishes wishes;
+    uint8_t layers = 0;                        // with depth, that viewers ask for: they are to redraw pictures
     bool decode = false;                       // true: the pictures are decoded too
     bool reconnect = false;                    // true: a viewer whose connection ends connects again
     std::vector<client::Endpoint> servers;     // running servers, all different; empty: one is started

@@ -177,6 +177,7 @@ Json json(const Report& report, const Options& options) {
             {"machine", report.machine},
             {"size", {report.width, report.height}},
             {"paths", pathsOf(options)},
+            {"layers", options.layers},
             {"decode", options.decode},
             {"runs", std::move(runs)},
             {"broken", report.broken}};
