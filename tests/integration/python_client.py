@@ -71,6 +71,38 @@ class Package(unittest.TestCase):
         view.look(view='picture')
         self.assertLess(numpy.abs(view.frame().array() - picture).mean(), 5)
 
+    def layered(self, view, **camera):
+        """The first frame with layers: pictures come without until their shaders are compiled."""
+        view.look(layers=4, **camera)
+        for frame in view.frames(10_000):
+            if frame.layers:
+                return frame
+
+    def test_layers_draw_another_view_as_the_server_does(self):
+        view = self.viewer()
+        view.pause()
+        self.addCleanup(view.resume)
+        camera = dict(target=(0, 0, 0), fov=0.5, size=(160, 96))
+        frame = self.layered(view, position=(0, 2, 20), **camera)
+        (layers,) = frame.layers
+        nodes = (layers.rows, layers.columns)
+        self.assertEqual(layers.colours().shape, (5, *nodes, 3), 'and the sky')
+        self.assertEqual(layers.transmittance().shape, (4, *nodes))
+        self.assertTrue((numpy.diff(layers.depth(), axis=0).mean(axis=(1, 2)) > 0).all(), 'near to far')
+        self.assertIsNone(layers.surface())
+        apart = lambda a, b: numpy.abs(a.astype(int) - b.astype(int)).mean()
+        self.assertLess(apart(brume.redraw(frame), frame.array()), 0.5, 'from its own place')
+        moved = dict(position=(1.5, 2.5, 17))
+        drawn = brume.redraw(frame, **moved, target=(0, 0, 0))
+        view.look(layers=0, **moved, **camera)
+        true = view.frame().array()
+        self.assertGreater(apart(frame.array(), true), 3, 'the camera has moved')
+        self.assertLess(apart(drawn, true), 0.25 * apart(frame.array(), true))
+        with self.assertRaisesRegex(brume.BrumeError, 'no layers'):
+            brume.redraw(view.frame())
+        with self.assertRaisesRegex(brume.BrumeError, 'from 0 to 8'):
+            view.look(layers=9)
+
     def test_what_arrays_need_is_named_where_it_is_missing(self):
         frame = self.viewer().frame()
         for module, package in (('PIL', 'python3-pil'), ('numpy', 'python3-numpy')):

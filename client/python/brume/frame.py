@@ -5,8 +5,21 @@ from dataclasses import dataclass, field
 from brume.error import BrumeError
 
 
-def _needed(module, package):
+def needed(module, package):
     raise BrumeError(f'{module} is missing: install {package}, or use the bytes (Frame.jpeg, Frame.save)')
+
+
+def array_of(data, mode):
+    """A coded picture as a NumPy array; mode: PIL's, RGB or L (grey)."""
+    try:
+        from PIL import Image
+    except ImportError:
+        needed('PIL', 'python3-pil (Pillow)')
+    try:
+        import numpy
+    except ImportError:
+        needed('NumPy', 'python3-numpy')
+    return numpy.asarray(Image.open(io.BytesIO(data)).convert(mode))
 
 
 @dataclass(frozen=True)
@@ -32,6 +45,7 @@ class Frame:
     lossless: bool  # True: the bytes are PNG, not JPEG
     measured: Measured  # None: the server does not know, or does not say
     pictures: tuple = field(repr=False)  # bytes of each eye's picture
+    layers: tuple = field(default=None, repr=False)  # Layers of each eye's picture; None: none came
 
     @property
     def jpeg(self):
@@ -53,13 +67,9 @@ class Frame:
         try:
             from PIL import Image
         except ImportError:
-            _needed('PIL', 'python3-pil (Pillow)')
+            needed('PIL', 'python3-pil (Pillow)')
         return Image.open(io.BytesIO(self.pictures[eye])).convert('RGB')
 
     def array(self, eye=0):
         """The picture as a NumPy array: height x width x 3 bytes, sRGB."""
-        try:
-            import numpy
-        except ImportError:
-            _needed('NumPy', 'python3-numpy')
-        return numpy.asarray(self.image(eye))
+        return array_of(self.pictures[eye], 'RGB')

@@ -8,6 +8,7 @@ import flatbuffers
 
 from brume.error import BrumeError
 from brume.frame import Frame, Measured
+from brume.layers import Layers
 
 try:
     from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
@@ -55,7 +56,7 @@ def hello(width, height, client, resume, quality, lossless, keep_size):
     return _finish(b, Body.Body.Hello, Hello.End(b))
 
 
-def pose(seq, position, orientation, fov, size, view='picture', hidden=False):
+def pose(seq, position, orientation, fov, size, view='picture', layers=0, hidden=False):
     b = flatbuffers.Builder(256)
     name = b.CreateString(view) if view != 'picture' else None
     Pose.Start(b)
@@ -67,6 +68,7 @@ def pose(seq, position, orientation, fov, size, view='picture', hidden=False):
     Pose.AddWidth(b, size[0])
     Pose.AddHeight(b, size[1])
     Pose.AddHidden(b, hidden)
+    Pose.AddLayers(b, layers)
     if name is not None:
         Pose.AddView(b, name)
     return _finish(b, Body.Body.Pose, Pose.End(b))
@@ -264,18 +266,30 @@ def vector_of(v):
     return (v.X(), v.Y(), v.Z())
 
 
+def layers_of(told, pictures):
+    return Layers(count=told.Count(), columns=told.Columns(), rows=told.Rows(), block_rows=told.BlockRows(),
+                  spacing=told.Spacing(), first=told.First(), near=told.Near(), far=told.Far(),
+                  exposure=told.Exposure(), filmic=bool(told.Filmic()), near_surface=told.NearSurface(),
+                  far_surface=told.FarSurface(), pictures=pictures)
+
+
 def frame_of(table, rest):
-    pictures, at = [], 0
-    for i in range(table.JpegBytesLength()):
-        pictures.append(bytes(rest[at:at + table.JpegBytes(i)]))
-        at += table.JpegBytes(i)
+    at = 0
+
+    def taken(length):
+        nonlocal at
+        at += length
+        return bytes(rest[at - length:at])
+    pictures = [taken(table.JpegBytes(i)) for i in range(table.JpegBytesLength())]
+    told = [table.Layers(i) for i in range(table.LayersLength())]
+    layers = tuple(layers_of(one, tuple(taken(one.Bytes(i)) for i in range(one.BytesLength()))) for one in told)
     turn = table.Orientation()
     return Frame(id=table.Id(), tick=table.Tick(), hash=f'{table.StateHash():016x}', pose=table.PoseSeq(),
                  position=vector_of(table.Position()), orientation=(turn.X(), turn.Y(), turn.Z(), turn.W()),
                  fov=table.FovY(), width=table.Width(), height=table.Height(), quality=table.Quality(),
                  lossless=table.Encoding() == Encoding.Encoding.png,
                  measured=Measured(table.Measured(), table.MeasuredLow(), table.MeasuredHigh())
-                 if table.Measured() > 0 else None, pictures=tuple(pictures))
+                 if table.Measured() > 0 else None, pictures=tuple(pictures), layers=layers or None)
 
 
 def value_of(value):

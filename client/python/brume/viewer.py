@@ -117,10 +117,11 @@ class Viewer:
 
     # ---- camera and pictures ----
 
-    def look(self, position=None, target=None, orientation=None, fov=None, size=None, view=None):
+    def look(self, position=None, target=None, orientation=None, fov=None, size=None, view=None, layers=None):
         """Moves the camera; what is not given stays. position, target: m. orientation: world from view, a unit
         quaternion x, y, z, w, in place of a target. fov: rad, the full vertical angle. size: (width, height) in
-        pixels. view: of how the picture is made, in its place: one of messages.VIEWS."""
+        pixels. view: of how the picture is made, in its place: one of messages.VIEWS. layers: 0 ... 8 with depth, for
+        redraw(); the first frames come without."""
         wish = dict(self._view)
         if position is not None:
             wish['position'] = tuple(float(one) for one in position)
@@ -138,6 +139,10 @@ class Viewer:
             if view not in messages.VIEWS:
                 raise BrumeError(f'no view {view!r}; there are {" ".join(messages.VIEWS)}', 'out_of_range')
             wish['view'] = view
+        if layers is not None:
+            if layers not in range(9):
+                raise BrumeError(f'layers is {layers}: allowed are whole numbers from 0 to 8', 'out_of_range')
+            wish['layers'] = layers
         if not all(1 <= side <= 0xffff for side in wish['size']):
             raise BrumeError(f'size is {wish["size"]}: allowed are two whole numbers from 1 to 65535', 'out_of_range')
         if not all(map(math.isfinite, (*wish['position'], *wish['orientation'], wish['fov']))):
