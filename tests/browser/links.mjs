@@ -106,7 +106,7 @@ describe('one server', () => {
       ['position=1,2&eyes=side', 'position takes three numbers from −50,000 to 50,000, in metres: position=0,6,26.'],
       ['fov=9', 'fov takes an angle from 0.05 to 3, in radians: fov=0.8.'],
       ['position=1,2,3&target=1,2,3', 'position and target are the same place: they must differ by a millimetre.'],
-      ['reproject=up', 'reproject in the address is one of off, rotation, plane, layers.'],
+      ['reproject=up', 'reproject in the address is one of auto, off, rotation, plane, layers.'],
     ]) {
       const bad = await openPage(t, browser, `${server.url}/?${query}`);
       assert.deepEqual(await bad.locator('#toasts .note').allTextContents(), [line], query);

@@ -86,8 +86,9 @@ export async function rested(page) {
     ({ lastFrame, scene, sentPose }) =>
       lastFrame.quality >= 90 && lastFrame.poseSeq >= sentPose && lastFrame.stateHash === scene.stateHash,
   );
-  // Until it is drawn, too.
+  // Until it is drawn, too, and covers the one before.
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await until(page, 'it is all there', ({ shown }) => shown?.part === 1);
 }
 
 // Until so many more pictures are shown.

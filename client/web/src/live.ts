@@ -13,15 +13,20 @@ export interface Seen {
   relaxed: number; // steps of accuracy given up under overload
   rate: number | undefined; // pictures a second; undefined while too few were seen to tell
   serverMs: number; // that the server took for the newest
+  // yes: pictures are redrawn here from layers with depth. unasked: though nobody chose that. missing: they are to be,
+  // and come without layers. no: neither.
+  redrawn: 'yes' | 'unasked' | 'missing' | 'no';
 }
 
 export const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
 const RARE = 8; // pictures a second below which they no longer look like movement
+// The same where they are redrawn: the server sends fewer when only the camera moves.
+const RARE_REDRAWN = 2;
 const SMALLER = 0.6; // part of the pixels asked for: the server halves both sides
 
 // Undefined: nothing is missing.
 export function lack(seen: Seen): string | undefined {
-  const { standing, paused, mayControl, touch, frame, asked, limit, relaxed, rate } = seen;
+  const { standing, paused, mayControl, touch, frame, asked, limit, relaxed, rate, redrawn } = seen;
   if (standing) return 'Standing still';
   if (seen.preparing !== undefined) return `Preparing ${seen.preparing}…`;
   if (paused && !mayControl) return 'Paused: a controller can resume';
@@ -34,15 +39,21 @@ export function lack(seen: Seen): string | undefined {
     const busy = relaxed > 0 && frame.quality > LINK_QUALITY;
     return `${frame.width}×${frame.height}: ${why(busy)}`;
   }
-  if (rate !== undefined && rate < RARE) {
-    const busy = seen.serverMs > 500 / RARE; // most of the time between two pictures
+  const rare = redrawn === 'yes' || redrawn === 'unasked' ? RARE_REDRAWN : RARE;
+  if (rate !== undefined && rate < rare) {
+    const busy = seen.serverMs > 500 / rare; // most of the time between two pictures
     return `${rate.toFixed(rate < 1 ? 1 : 0)} pictures/s: ${why(busy)}`;
   }
   if (relaxed > 0) return 'Accuracy reduced: the server is busy';
   if (frame && frame.width * frame.height < SMALLER * wanted)
     return `${frame.width}×${frame.height}: the server’s limit`;
+  if (redrawn === 'missing') return 'No layers with depth: this way of rendering has none';
   return undefined;
 }
+
+// What is said while nothing is missing.
+export const liveText = (redrawn: Seen['redrawn']): string =>
+  redrawn === 'unasked' ? 'Live, redrawn here between pictures' : 'Live';
 
 // Says what was the same so many times in a row, so that a picture that is small for a moment makes no stir. What is
 // said at once is also taken back at once.

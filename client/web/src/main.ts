@@ -10,7 +10,7 @@ import { headsetSupported } from './headset';
 import { hintText, touchOnly } from './hint';
 import { copyLink } from './link';
 import { elementsOf } from './lists';
-import { Steady, lack } from './live';
+import { Steady, lack, liveText } from './live';
 import { keepCamera, keptCamera } from './memory';
 import { addressAt, cameraIn } from './move';
 import { Notices } from './notices';
@@ -120,7 +120,8 @@ function showMode(): void {
   setPressed(find('tool-orbit'), mode === 'orbit');
   setPressed(find('tool-fly'), mode === 'fly');
   setPressed(find('tool-push'), pushing);
-  setPressed(find('tool-vr'), headset !== undefined);
+  setPressed(find('tool-vr'), headset?.mode === 'vr');
+  setPressed(find('tool-ar'), headset?.mode === 'ar');
   for (const tool of ['push', 'pause']) find<HTMLButtonElement>(`tool-${tool}`).disabled = !mayPush;
   document.body.classList.toggle('pushing', pushing);
   setText(find('hint'), hintText(mode, pushing, mayPush));
@@ -154,6 +155,7 @@ const actions: Record<string, () => void> = {
   link: () => void copyLink(viewer().camera, viewer().fovY, settingsText(settings)).then((text) => notices.note(text)),
   box: () => change({ box: !settings.box }),
   vr: () => void viewer().toggleHeadset(),
+  ar: () => void viewer().toggleHeadset('ar'),
   stats: () => toggles.stats(!settings.stats),
   panel: () => toggles.panel(!settings.panel),
 };
@@ -177,8 +179,8 @@ function change(wish: Partial<typeof settings>): void {
   Object.assign(settings, wish);
   apply();
   // What this browser cannot do, the view has refused.
-  const { eyes, reprojection } = viewer().viewing;
-  if (eyes !== settings.eyes || reprojection !== settings.reprojection) {
+  const { eyes, wished } = viewer().viewing;
+  if (eyes !== settings.eyes || wished !== settings.reprojection) {
     Object.assign(settings, was);
     apply();
   }
@@ -267,9 +269,10 @@ function tellLack(): void {
     relaxed: scene?.plan?.relaxed ?? 0,
     rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
+    redrawn: viewer().viewing.redrawn,
   };
   const atOnce = standing || seen.paused || scene?.preparing !== undefined;
-  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce));
+  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce), liveText(seen.redrawn));
 }
 
 function animate(): void {
@@ -305,7 +308,8 @@ window.addEventListener('pagehide', () => {
   const { welcome, camera } = viewer();
   if (welcome) keepCamera(welcome.scene, camera);
 });
-void headsetSupported().then((supported) => (find('tool-vr').hidden = !supported));
+for (const mode of ['vr', 'ar'] as const)
+  void headsetSupported(mode).then((supported) => (find(`tool-${mode}`).hidden = !supported));
 toggles.stats(settings.stats);
 toggles.panel(settings.panel);
 panel.follows(settings);

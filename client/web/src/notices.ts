@@ -52,6 +52,7 @@ export class Notices {
   private pending: number | undefined;
   private seen = false; // true: a picture has been shown since the page was loaded
   private lacking: string | undefined;
+  private liveText = 'Live';
 
   constructor(retry: () => void) {
     this.retry.addEventListener('click', () => {
@@ -67,10 +68,10 @@ export class Notices {
     if (this.shown.name === 'connected') this.live();
   }
 
-  // In what the pictures that come are less than live; undefined: in nothing.
-  lack(text: string | undefined): void {
-    if (text === this.lacking) return;
-    this.lacking = text;
+  // In what the pictures that come are less than live; undefined: in nothing, which `live` then says.
+  lack(text: string | undefined, live: string): void {
+    if (text === this.lacking && live === this.liveText) return;
+    [this.lacking, this.liveText] = [text, live];
     document.body.classList.toggle('lacking', text !== undefined);
     if (this.shown.name === 'connected' && this.seen) this.live();
   }
@@ -134,7 +135,7 @@ export class Notices {
   }
 
   private live(): void {
-    this.show('live', this.lacking ?? 'Live');
+    this.show('live', this.lacking ?? this.liveText);
   }
 
   private show(state: string, status: string): void {

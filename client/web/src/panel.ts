@@ -117,6 +117,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   eyes.follow(chosen.eyes);
   const reprojection = select('Reprojection', (value) => host.setReprojection(value));
   reprojection.options([
+    { value: 'auto', text: 'Automatic' },
     { value: 'off', text: 'Off' },
     { value: 'rotation', text: 'Turns, what is far stays' },
     { value: 'plane', text: 'Turns and moves, the middle stays' },

@@ -1,6 +1,6 @@
 // Where a camera stands and looks, as an address says it: ?position=x,y,z&target=x,y,z&fov=radians, the same names as
 // those of /snapshot.jpg.
-import { length, lookAt, pivot, subtract } from './camera';
+import { fitAspect, length, lookAt, pivot, subtract } from './camera';
 import type { Camera } from './camera';
 import type { Vec3 } from './protocol';
 
@@ -9,6 +9,8 @@ export interface Place {
   target?: Vec3; // m
   fov?: number; // rad, the full vertical angle
 }
+
+type Own = { position: Vec3; target: Vec3 }; // a scene's camera, m
 
 const FURTHEST = 50_000; // m on each axis
 const FOV = { lowest: 0.05, highest: 3 };
@@ -49,7 +51,7 @@ export function placeOf(get: (name: string) => string | null): { place: Place; f
 }
 
 // The camera at that place; what the place leaves out is the scene's own.
-export function placed(place: Place, own: { position: Vec3; target: Vec3 }): Camera {
+export function placed(place: Place, own: Own): Camera {
   return lookAt(place.position ?? own.position, place.target ?? own.target);
 }
 
@@ -63,3 +65,10 @@ export const placeText = (camera: Camera, fov: number): [name: string, value: st
   ['target', pointText(pivot(camera))],
   ['fov', short(fov, 4)],
 ];
+
+// The camera that a viewer begins with, and the one it comes back to. A place that was named is that place, whatever the
+// window's shape.
+export function firstCamera(place: Place, own: Own, aspect: number): { home: Camera; camera: Camera } {
+  const home = placed(place, own);
+  return { home, camera: place.position || place.target ? home : fitAspect(home, aspect) };
+}

@@ -19,3 +19,20 @@ export function makeProgram(gl: WebGL2RenderingContext, vertex: string, fragment
   }
   return program;
 }
+
+// What is drawn from now on covers so much of what is there: 0 ... 1.
+export function coverBy(gl: WebGL2RenderingContext, part: number): void {
+  if (part < 1) gl.enable(gl.BLEND);
+  else gl.disable(gl.BLEND);
+  gl.blendColor(0, 0, 0, part);
+  gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+}
+
+// A rectangle of a framebuffer, in pixels from its lower left corner. null: the canvas.
+export interface Area {
+  framebuffer: WebGLFramebuffer | null;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}

@@ -1,4 +1,5 @@
 // The passes of redraw.ts: GLSL. Positions in pictures are pixels, right and down. Light is linear and exposed.
+const LEAST_COVER = 0.05; // what JPEG makes of a medium that is not there, of what is seen through
 const LEAST_SEEN = 0.3; // transmittance below which what is behind the layers is not told from the picture
 
 export const QUAD = `#version 300 es
@@ -141,6 +142,7 @@ uniform vec4 frustum; // of the picture: left, up, and both widths
 uniform vec2 size; // of the picture, pixels
 uniform vec2 depths, surfaces; // m, of bytes: of layers 0 and 255, of surfaces 1 and 254
 uniform float nearest; // m, of all surfaces; 0: there is nothing but sky
+uniform bool see_through; // true: the sky is not drawn
 ${CURVES}${TOGETHER}
 out vec4 colour;
 const float FAR = 1e30;
@@ -196,7 +198,7 @@ vec2 meet_surface(vec3 dir, out float depth) {
 }
 void main() {
   vec3 dir = corner + place.x * across + place.y * down;
-  colour = vec4(0.0, 0.0, 0.0, 1.0);
+  colour = vec4(0.0, 0.0, 0.0, see_through ? 0.0 : 1.0);
   if (dir.z <= 1e-3) return;
   float surface_depth;
   vec2 ends = meet_surface(dir, surface_depth);
@@ -213,6 +215,11 @@ void main() {
     vec4 own = texture(layers, vec3(at / size, k));
     light += through * own.rgb * texture(factor, at / size).rgb;
     through *= own.a;
+  }
+  if (see_through && surface_depth == FAR) {
+    float cover = max(1.0 - through - ${LEAST_COVER}, 0.0) / (1.0 - ${LEAST_COVER});
+    colour = vec4(displayed(light) * min(cover / max(1.0 - through, 1e-3), 1.0), cover);
+    return;
   }
   light += through * texture(behind, ends / size).rgb;
   colour = vec4(displayed(light), 1.0);

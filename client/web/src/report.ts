@@ -102,11 +102,14 @@ export function report(of: Sources) {
     get latency() {
       return statistics.percentiles();
     },
+    get reprojection() {
+      return viewing.reprojection;
+    },
     // The pose that the screen shows now, and the one that its picture was made for.
     get shown() {
       if (!viewing.shown) return undefined;
-      const { position, orientation, made } = viewing.shown;
-      return { position, orientation, made: { position: made.position, orientation: made.orientation } };
+      const { position, orientation, made, part } = viewing.shown;
+      return { position, orientation, part, made: { position: made.position, orientation: made.orientation } };
     },
     get headset() {
       const { headset } = of;

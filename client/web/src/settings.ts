@@ -1,7 +1,7 @@
 // The viewer's own settings. The browser keeps them between visits; without storage the defaults hold.
 import { SIZE_CAPS } from './size';
 import { EYES, REPROJECTIONS } from './viewing';
-import type { Eyes, Reprojection } from './viewing';
+import type { Eyes, ReprojectionWish } from './viewing';
 import { VIEWS } from './views';
 import type { View } from './views';
 
@@ -11,7 +11,7 @@ export interface Settings {
   stats: boolean;
   panel: boolean;
   eyes: Eyes;
-  reprojection: Reprojection;
+  reprojection: ReprojectionWish;
   box: boolean; // true: the medium's box and a scale are drawn over the picture
   view: View; // not kept between visits
   predict: boolean; // true: poses are predicted for the time when their pictures are seen
@@ -22,7 +22,7 @@ const KEY = 'brume';
 export function loadSettings(): Settings {
   const settings: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false, view: 'picture' },
+    ...{ eyes: 'one', reprojection: 'auto', predict: false, box: false, view: 'picture' },
   };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
@@ -74,7 +74,7 @@ export function settingsText(settings: Settings): [name: string, value: string][
   const { eyes, reprojection, predict, box, cap, quality, view } = settings;
   const all: [string, string, boolean][] = [
     ['eyes', eyes, eyes !== 'one'],
-    ['reproject', reprojection, reprojection !== 'off'],
+    ['reproject', reprojection, reprojection !== 'auto'],
     ['predict', '1', predict],
     ['box', '1', box],
     ['size', SIZES[cap ?? -1] ?? '', cap !== undefined],

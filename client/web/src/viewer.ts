@@ -1,36 +1,35 @@
 // One viewer of a server, without a page around it: connection, pictures, camera, pushes, headset.
+import { AutoLayers } from './auto-layers';
 import { AutoSize } from './auto-size';
 import { drawBox } from './box';
-import { fitAspect, lookAt, same } from './camera';
+import { fitAspect, lookAt } from './camera';
 import type { Camera } from './camera';
 import { Connection } from './connection';
 import type { LinkState } from './connection';
 import { Controls } from './controls';
 import type { ControlsHost, Mode } from './controls';
 import { Headset } from './headset';
+import type { HeadsetMode } from './headset';
 import type { Latency } from './latency';
 import { Picture } from './picture';
-import { Predictor } from './predict';
+import { Poses } from './poses';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
 import { report } from './report';
 import type { Report } from './report';
 import { mayControl } from './role';
-import { valuesOf } from './shared-settings';
+import { PAUSED, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { defaultCap } from './size';
 import type { Size } from './size';
 import { Statistics } from './statistics';
-import { placed } from './place';
+import { firstCamera, placed } from './place';
 import type { Place } from './place';
 import { Viewing } from './viewing';
-import type { Eyes, Reprojection } from './viewing';
+import type { Eyes, ReprojectionWish } from './viewing';
 import type { Stage, ViewerEvents, Wishes } from './viewer-host';
-import type { View } from './views';
 import { Visibility, watchSight } from './visibility';
 
-// A still camera sends its pose again this often: the latency shown is then never older.
-const POSE_REFRESH_MS = 500;
 const RESIZE_SETTLE_MS = 150;
 const ERROR_FULL = 5; // ErrorCode.full; the connection's state shows it, no note does
 const CLIENT = 'brume-web 0.1.0';
@@ -56,12 +55,12 @@ export class Viewer {
   private home = this.camera; // the scene's own, or the place
   private push = false;
   private inSight = true; // the view on the page
-  private movedAt: number | undefined; // ms, of the first input since the last pose that was sent
-  // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
-  // pose with the same numbers, since the server draws a still picture only once.
-  private sent: { camera: Camera; size: Size; view: View; at: number; pose: number; said: string } | undefined;
   private readonly autoSize = new AutoSize();
-  private readonly predictor = new Predictor();
+  private readonly autoLayers = new AutoLayers({
+    pace: (now) => ({ rate: this.expectedRate(now), latencyMs: this.latencyMs }),
+    use: (layers) => this.reshape(() => this.viewing.takeLayers(layers)),
+  });
+  private readonly poses = new Poses(this);
   private readonly picture: Picture;
   private readonly controls: Controls;
   private readonly visibility: Visibility;
@@ -116,7 +115,7 @@ export class Viewer {
     this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
     // The server draws nothing for a page that is hidden, or a view that is scrolled away. Animation frames, which send
     // the other poses, stop in a hidden page, too.
-    this.visibility = new Visibility(() => this.link.connected && this.ask(performance.now()));
+    this.visibility = new Visibility(() => this.link.connected && this.poses.ask(performance.now()));
     watchSight(surface, this.ending.signal, (seen) => {
       this.inSight = seen;
       this.look();
@@ -160,6 +159,10 @@ export class Viewer {
     return mayControl(this.welcome?.role ?? 'operator');
   }
 
+  get latencyMs(): number {
+    return this.statistics.average.get()?.total ?? 0;
+  }
+
   get pushing(): boolean {
     return this.push;
   }
@@ -171,7 +174,18 @@ export class Viewer {
 
   // Number of the pose that was sent for the camera as it is; undefined while a newer one is due.
   get sentPose(): number | undefined {
-    return this.sent && same(this.sent.camera, this.camera) ? this.sent.pose : undefined;
+    return this.poses.current;
+  }
+
+  get hidden(): boolean {
+    return this.visibility.hidden;
+  }
+
+  // Pictures a second; undefined unless the medium moves and somebody looks.
+  private expectedRate(now: number): number | undefined {
+    const moves = this.scene !== undefined && !this.scene.standstill && this.values.get(PAUSED) !== 1;
+    const looked = this.link.connected && this.inSight && !this.headset;
+    return moves && looked ? this.statistics.shownRate.perSecond(now) : undefined;
   }
 
   setMode(mode: Mode): void {
@@ -213,25 +227,29 @@ export class Viewer {
 
   // Chooses eyes and reprojection. The number of eyes is part of the hello, so a change of it connects again. Returns
   // false if this browser cannot do it.
-  choose(eyes: Eyes, reprojection: Reprojection): boolean {
+  choose(eyes: Eyes, wished: ReprojectionWish): boolean {
+    if (wished !== this.viewing.wished) this.autoLayers.begin();
+    if (this.reshape(() => this.viewing.choose(eyes, wished))) return true;
+    this.events.note('This browser has no WebGL 2, which that needs.', 'error');
+    return false;
+  }
+
+  // `change` may change how many pictures are asked for, and how large. Returns what it returns.
+  private reshape(change: () => boolean): boolean {
     const { views } = this.viewing;
-    if (!this.viewing.choose(eyes, reprojection)) {
-      this.events.note('This browser has no WebGL 2, which that needs.', 'error');
-      return false;
-    }
+    if (!change()) return false;
     this.resize();
-    if (this.viewing.views !== views && this.link.connected) this.link.reopen();
+    if (this.viewing.views !== views && this.link.connected && !this.headset) this.link.reopen();
     return true;
   }
 
-  async toggleHeadset(): Promise<void> {
+  async toggleHeadset(mode: HeadsetMode = 'vr'): Promise<void> {
     if (this.headset) return this.headset.end();
     try {
-      this.headset = await Headset.start(this, this.viewing.reprojection === 'layers', {
-        ask: (wish) => {
-          if (this.link.connected && this.link.sendPose({ ...wish, view: this.wishes.view }))
-            this.statistics.sent(this.link.lastPose, 0);
-        },
+      this.headset = await Headset.start(this, mode, this.viewing.wantsLayers, {
+        ask: (wish) => void this.poses.send(wish),
+        push: (command) => void this.link.sendInput(command),
+        asksForBoth: () => this.link.connected && this.link.reopen(),
         beforeFrame: () => this.picture.draw(),
         worn: () => this.look(),
         ended: (why) => this.useHeadset(undefined, why),
@@ -271,7 +289,7 @@ export class Viewer {
       },
       set camera(value) {
         viewer.camera = value;
-        viewer.movedAt ??= performance.now();
+        viewer.poses.moved();
       },
       get mode() {
         return viewer.mode;
@@ -299,18 +317,16 @@ export class Viewer {
     // The camera starts at the scene's own; in the same scene it stays where it was.
     if (welcome?.scene !== greeting.scene || (again && !sameCamera(welcome, greeting))) {
       if (welcome) wishes.place = {}; // it was meant for the scene before
-      const { position, target } = wishes.place;
-      this.home = placed(wishes.place, greeting.camera);
+      const first = firstCamera(wishes.place, greeting.camera, this.aspect());
       const known = arrived && (arrived.scene ?? greeting.scene) === greeting.scene;
-      // A place that was named is that place, whatever the window's shape.
-      this.camera = known ? arrived.camera : position || target ? this.home : fitAspect(this.home, this.aspect());
+      [this.home, this.camera] = [first.home, known ? arrived.camera : first.camera];
       this.arrived = undefined;
     }
     this.welcome = greeting;
     this.autoSize.begin(defaultCap(greeting.device));
-    this.sent = this.movedAt = undefined;
+    this.autoLayers.begin();
+    this.poses.reset();
     this.statistics.reset();
-    this.predictor.reset();
     this.picture.clear();
     this.viewing.clear();
     const asked = this.helloSize.width * this.helloSize.height;
@@ -320,7 +336,7 @@ export class Viewer {
     this.resize();
     this.events.welcome(greeting);
     this.events.changed();
-    if (this.visibility.hidden) this.ask(performance.now());
+    if (this.visibility.hidden) this.poses.ask(performance.now());
   }
 
   private receive(message: ServerMessage, bytes: number): void {
@@ -329,8 +345,10 @@ export class Viewer {
       case 'frame':
         this.picture.show(message);
         this.followSpeed(message);
+        this.autoLayers.came(message.layers, performance.now());
         break;
       case 'scene':
+        this.autoLayers.follow(message.plan?.method);
         this.scene = message;
         this.values = valuesOf(this.welcome?.settings ?? [], message.settings);
         this.events.scene(message);
@@ -364,13 +382,10 @@ export class Viewer {
     this.picture.draw();
     this.controls.update(now, Math.min(0.1, Math.max(0, (now - this.before) / 1000)));
     this.before = now;
+    this.autoLayers.look(now);
     this.viewing.draw();
     this.drawBox();
-    this.predictor.add(now, this.camera);
-    const { sent, camera, size } = this;
-    const changed = sent?.size !== size || sent.view !== this.wishes.view || !same(sent.camera, camera);
-    const due = changed || now - sent.at > POSE_REFRESH_MS;
-    if (due && this.link.connected) this.ask(now);
+    this.poses.follow(now);
   };
 
   private drawBox(): void {
@@ -381,19 +396,5 @@ export class Viewer {
     const above = Number.parseFloat(getComputedStyle(drawing).getPropertyValue('--brume-scale-above')) || 0;
     const eye = { position: shown.position, orientation: shown.orientation, fovY: this.fovY };
     drawBox(drawing, box, eye, window.devicePixelRatio, above);
-  }
-
-  private ask(now: number): void {
-    const { camera, size, link } = this;
-    const lead = this.wishes.predict ? (this.statistics.average.get()?.total ?? 0) : 0;
-    const foreseen = (lead > 0 && this.predictor.predict(lead)) || camera;
-    const wish = this.headset?.asked ?? this.viewing.wish(foreseen, size);
-    if (!link.sendPose({ ...wish, view: this.wishes.view, hidden: this.visibility.hidden })) return;
-    this.statistics.sent(link.lastPose, this.movedAt === undefined ? 0 : performance.now() - this.movedAt);
-    this.movedAt = undefined;
-    const numbers = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height];
-    const said = numbers.map(Math.fround).join() + wish.view;
-    const pose = this.sent?.said === said ? this.sent.pose : link.lastPose;
-    this.sent = { camera, size, view: this.wishes.view, at: now, pose, said };
   }
 }

@@ -2,27 +2,34 @@
 import { add, scale } from './camera';
 import type { Camera } from './camera';
 import { orientation } from './camera';
+import { Fade } from './fade';
 import { flatSurface } from './picture';
 import type { LayerBitmaps, Surface } from './picture';
+import type { Seen } from './live';
 import { rotate, shaped, symmetric, warp, widened } from './projection';
 import type { View } from './projection';
 import type { Frame, PoseMessage, Vec3 } from './protocol';
+import { coverBy } from './program';
+import type { Area } from './program';
 import { Redraw } from './redraw';
 import { requestedSize } from './size';
 import type { Size } from './size';
 import type { View as Made } from './views';
-import { Warp, watchContext } from './warp';
+import { Warp, drawsWithHardware, watchContext } from './warp';
 
 export type Eyes = 'one' | 'side';
 // off: frames are drawn as they are. rotation: they are turned as the camera has turned since. plane: they also
 // follow its moves, exactly at the distance of the pivot.
 // layers: they are redrawn from layers with depth, as seen from where the camera is, for both eyes from one picture.
 export type Reprojection = 'off' | 'rotation' | 'plane' | 'layers';
+// auto: layers where the server gives few pictures or late ones and this browser draws with hardware, else off.
+export type ReprojectionWish = Reprojection | 'auto';
 
 export const EYES: readonly Eyes[] = ['one', 'side'];
-export const REPROJECTIONS: readonly Reprojection[] = ['off', 'rotation', 'plane', 'layers'];
+export const REPROJECTIONS: readonly ReprojectionWish[] = ['auto', 'off', 'rotation', 'plane', 'layers'];
 export const eyesOf = (text: string | null): Eyes => EYES.find((eyes) => eyes === text) ?? 'one';
-export const reprojectionOf = (text: string | null): Reprojection => REPROJECTIONS.find((way) => way === text) ?? 'off';
+export const reprojectionOf = (text: string | null): ReprojectionWish =>
+  REPROJECTIONS.find((way) => way === text) ?? 'auto';
 
 // Pictures for reprojection are wider and higher by the factor 1 + MARGIN.
 export const MARGIN = 0.1;
@@ -65,15 +72,18 @@ export interface ViewingHost {
 
 export class Viewing implements Surface {
   eyes: Eyes = 'one';
-  reprojection: Reprojection = 'off';
-  // The pose that the screen shows, and the frame that it was made of.
-  shown: { position: Vec3; orientation: View['orientation']; made: Frame } | undefined;
+  wished: ReprojectionWish = 'auto';
+  reprojection: Reprojection = 'off'; // of `wished`, as it is drawn now
+  // The pose that the screen shows, the frame that it was made of, and how much of that covers the one before: 0 ... 1.
+  shown: { position: Vec3; orientation: View['orientation']; made: Frame; part: number } | undefined;
   private readonly flat: Surface;
   private warp: Warp | undefined; // undefined also while the graphics context is lost
   private redraw: Redraw | undefined; // the same; and until layers are asked for
   private layered = false; // true: `redraw` has the frame's layers
   private gl: WebGL2RenderingContext | undefined;
   private frame: Frame | undefined; // the frame whose pictures are in the textures
+  private readonly fade = new Fade();
+  private hardware: boolean | undefined; // drawsWithHardware(), once it was asked for
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -101,13 +111,28 @@ export class Viewing implements Surface {
     return this.eyes === 'side' ? 2 : 1;
   }
 
-  // Returns false and changes nothing if this browser has no WebGL 2 for it.
-  choose(eyes: Eyes, reprojection: Reprojection): boolean {
+  // Returns false and changes nothing if this browser has no WebGL 2 for it. Automatic ones begin without.
+  choose(eyes: Eyes, wished: ReprojectionWish): boolean {
+    const reprojection = wished !== 'auto' ? wished : this.wished === 'auto' ? this.reprojection : 'off';
+    if (!this.use(eyes, reprojection)) return false;
+    this.wished = wished;
+    return true;
+  }
+
+  // Of automatic ones: with layers, or without. Returns false and changes nothing where that is not to be had.
+  takeLayers(taken: boolean): boolean {
+    if (this.wished !== 'auto') return false;
+    if (taken) this.hardware ??= drawsWithHardware();
+    return (!taken || this.hardware === true) && this.use(this.eyes, taken ? 'layers' : 'off');
+  }
+
+  private use(eyes: Eyes, reprojection: Reprojection): boolean {
     const plain = eyes === 'one' && reprojection === 'off';
     if (!plain && !this.prepare()) return false;
     if (reprojection === 'layers' && !this.prepareLayers()) return false;
     [this.eyes, this.reprojection] = [eyes, reprojection];
     this.frame = undefined;
+    this.redraw?.forgetBefore();
     this.warped.hidden = plain || !this.warp;
     return true;
   }
@@ -129,15 +154,36 @@ export class Viewing implements Surface {
     return { ...pose, ...stereo, ...layers, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
   }
 
+  // True: a headset should be drawn with layers, which hide how late its pictures are.
+  get wantsLayers(): boolean {
+    if (this.wished === 'auto') this.hardware ??= drawsWithHardware();
+    return this.wished === 'layers' || (this.wished === 'auto' && this.hardware === true);
+  }
+
+  // Whether pictures are redrawn from layers, for the status line (live.ts).
+  get redrawn(): Seen['redrawn'] {
+    const told = this.frame?.layers?.[0];
+    if (this.reprojection !== 'layers') return 'no';
+    if (told && told.count === 0 && told.surface.length === 0) return 'missing';
+    return this.wished === 'auto' ? 'unasked' : 'yes';
+  }
+
   show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
     if (!this.warp || this.warped.hidden) {
       this.flat.show(bitmaps, frame);
-      this.shown = { position: frame.position, orientation: frame.orientation, made: frame };
+      this.shown = { position: frame.position, orientation: frame.orientation, made: frame, part: 1 };
       return;
     }
     const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
-    this.layered = this.reprojection === 'layers' && this.redraw !== undefined && told !== undefined;
-    if (this.layered && picture && of && told) this.redraw?.take(picture, of, frame, told);
+    const before = this.layered;
+    this.layered = false;
+    if (this.reprojection === 'layers' && this.redraw && picture && of && told) {
+      this.redraw.take(picture, of, told, viewOf(frame, 0, EYE_SEPARATION));
+      this.layered = true;
+    }
+    // A camera that stands sees the medium go on, which needs no blending.
+    const moved = this.frame !== undefined && !sameView(frame, this.frame.position, this.frame.orientation);
+    this.fade.begin(before && this.layered && moved, performance.now());
     this.warp.upload(bitmaps);
     for (const bitmap of bitmaps) bitmap.close();
     this.frame = frame;
@@ -157,34 +203,33 @@ export class Viewing implements Surface {
     const position = still ? frame.position : camera.position;
     const turn = still ? frame.orientation : orientation(camera);
     const frustum = symmetric(fovY, this.aspect());
-    const part = Math.floor(width / this.parts);
+    const across = Math.floor(width / this.parts);
+    const part = this.fade.part(performance.now());
     for (let eye = 0; eye < this.parts; ++eye) {
-      const from = Math.min(eye, frame.jpeg.length - 1);
       const at = eyePosition(position, turn, eye, this.parts, EYE_SEPARATION);
-      const made = viewOf(frame, from, EYE_SEPARATION);
+      const shown = { position: at, orientation: turn, frustum };
+      const area = { framebuffer: null, x: eye * across, y: 0, width: across, height };
+      coverBy(gl, 1);
+      if (part < 1 && this.redraw?.drawBefore(shown, area)) coverBy(gl, part);
       // From its own place a picture is what it is.
-      if (this.layered && (this.parts === 2 || !sameView(frame, position, turn))) {
-        const shown = { position: at, orientation: turn, frustum };
-        this.redraw?.draw(made, shown, null, eye * part, 0, part, height);
-        continue;
-      }
-      const moves = this.reprojection === 'plane' || this.reprojection === 'layers';
-      const depth = moves ? camera.distance : Infinity;
-      this.warp.draw(
-        from,
-        warp(made, { position: at, orientation: turn, frustum }, depth),
-        eye * part,
-        0,
-        part,
-        height,
-      );
+      if (this.layered && (this.parts === 2 || !sameView(frame, position, turn))) this.redraw?.draw(shown, area);
+      else this.drawFlat(frame, eye, shown, area);
     }
-    this.shown = { position, orientation: turn, made: frame };
+    coverBy(gl, 1);
+    this.shown = { position, orientation: turn, made: frame, part };
   }
 
   // To be called for a new connection: frames of the old one are not drawn any more.
   clear(): void {
     this.frame = undefined;
+    this.layered = false;
+  }
+
+  private drawFlat(frame: Frame, eye: number, shown: View, area: Area): void {
+    const from = Math.min(eye, frame.jpeg.length - 1);
+    const moves = this.reprojection === 'plane' || this.reprojection === 'layers';
+    const depth = moves ? this.host.camera.distance : Infinity;
+    this.warp?.draw(from, warp(viewOf(frame, from, EYE_SEPARATION), shown, depth), area);
   }
 
   // True: pictures have a margin that is seen when the camera turns. The legend of a view would lie in it.

@@ -1,5 +1,6 @@
 // Draws pictures of one or two eyes with WebGL, each through a homography (projection.ts).
 import { makeProgram } from './program';
+import type { Area } from './program';
 import type { Matrix3 } from './projection';
 
 const VERTEX = `#version 300 es
@@ -64,9 +65,9 @@ export class Warp {
     });
   }
 
-  // Draws into a rectangle of the bound framebuffer, in pixels from its lower left corner.
-  draw(eye: number, matrix: Matrix3, x: number, y: number, width: number, height: number): void {
+  draw(eye: number, matrix: Matrix3, { framebuffer, x, y, width, height }: Area): void {
     const { gl } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.viewport(x, y, width, height);
     gl.useProgram(this.program);
     gl.activeTexture(gl.TEXTURE0);
@@ -74,4 +75,16 @@ export class Warp {
     gl.uniformMatrix3fv(this.matrix, false, matrix);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
+}
+
+// Names of drivers that draw in software, where the browser does not own up to that.
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+// True: this browser draws WebGL 2 with hardware. Software takes longer than a picture of the display.
+export function drawsWithHardware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
+  if (!gl) return false;
+  const name = gl.getParameter(gl.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER);
+  gl.getExtension('WEBGL_lose_context')?.loseContext(); // browsers keep some sixteen contexts
+  return !SOFTWARE.test(String(name));
 }

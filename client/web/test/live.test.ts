@@ -12,6 +12,7 @@ const whole: Seen = {
     limit: Infinity,
     rate: 60,
     serverMs: 5,
+    redrawn: 'no',
   },
   frame: { width: 640, height: 360, quality: 80 },
   asked: { width: 640, height: 360 },

@@ -62,7 +62,7 @@ describe('a link', () => {
   };
   const plain: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'off', predict: false, box: false, view: 'picture' },
+    ...{ eyes: 'one', reprojection: 'auto', predict: false, box: false, view: 'picture' },
   };
 
   test('has the view and what is the viewer’s own, and no token', () => {

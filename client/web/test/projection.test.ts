@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { add, lookAt, normalize, orientation, scale, subtract } from '../src/camera';
-import { Predictor } from '../src/predict';
+import { Predictor, cameraGoesOn, headGoesOn } from '../src/predict';
 import type { View } from '../src/projection';
 import {
   angleBetween,
@@ -157,7 +157,7 @@ describe('prediction', () => {
   const moving = (at: number) => ({ ...start, yaw: 3.1 + at * 1e-3, position: [at * 0.01, 0, 10] as Vec3 });
 
   test('goes on as before, also over half a turn', () => {
-    const predictor = new Predictor();
+    const predictor = new Predictor(cameraGoesOn);
     for (let at = 0; at <= 200; at += 16) predictor.add(at, moving(at));
     const found = predictor.predict(50);
     expect(found && angleBetween(orientation(found), orientation(moving(242)))).toBeLessThan(1e-9);
@@ -165,7 +165,7 @@ describe('prediction', () => {
   });
 
   test('stays where the camera stays, and where nothing is known', () => {
-    const predictor = new Predictor();
+    const predictor = new Predictor(cameraGoesOn);
     expect(predictor.predict(50)).toBeUndefined();
     predictor.add(0, start);
     expect(predictor.predict(50)).toEqual(start);
@@ -173,8 +173,26 @@ describe('prediction', () => {
     expect(predictor.predict(50)).toEqual(start);
   });
 
+  test('of a head goes on to turn about any axis, also past half a turn', () => {
+    const axis = [0.48, 0.6, 0.64];
+    const turned = (at: number) => {
+      const half = 0.5 * (3 + 2e-3 * at);
+      const sine = Math.sin(half);
+      return [sine * axis[0]!, sine * axis[1]!, sine * axis[2]!, Math.cos(half)] as Quat;
+    };
+    const predictor = new Predictor(headGoesOn);
+    const head = (at: number) => ({ position: [0, 1.6, at * 0.001] as Vec3, orientation: turned(at) });
+    for (let at = 0; at <= 160; at += 8) predictor.add(at, head(at));
+    const found = predictor.predict(60);
+    expect(found && angleBetween(found.orientation, turned(220))).toBeLessThan(1e-6);
+    expect(found?.position[2]).toBeCloseTo(0.22, 9);
+    predictor.reset();
+    for (let at = 0; at <= 160; at += 8) predictor.add(at, head(0));
+    expect(predictor.predict(60)?.orientation.every((x, i) => Math.abs(x - turned(0)[i]!) < 1e-12)).toBe(true);
+  });
+
   test('does not run away', () => {
-    const predictor = new Predictor();
+    const predictor = new Predictor(cameraGoesOn);
     for (let at = 0; at <= 100; at += 10) predictor.add(at, moving(at));
     expect(predictor.predict(1e6)).toEqual(predictor.predict(150));
   });
