@@ -36,22 +36,40 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
     due_.clear();
     requests_.clear();
     draw_requests_.clear();
+    for (size_t i = 0; i < viewers.size(); ++i)
+        if (const auto due = viewers[i]->pollDue(now, scene, still, most_pixels_[i], limits.layers_last))
+            addDue(viewers[i], *due, limits.full || still);
+}
+
+void BatchPlanner::addDue(const std::shared_ptr<Viewer>& viewer, const PoseRequest& due, bool full) {
+    const auto same = std::find_if(requests_.begin(), requests_.end(),
+                                   [&](const PoseRequest& request) { return samePictures(request, due); });
+    const PlaneLayout layout{due.width, due.height, full};
+    draw_requests_.push_back(
+        {.viewer = viewer->id(),
+         .pixels = paidPixels(due),
+         .eyes = due.views,
+         .bytes = (layout.bytes() + depthLayerBytes(due.width, due.height, due.layers)) * due.views,
+         .every = viewer->every(),
+         .like = uint32_t(same - requests_.begin())});
+    requests_.push_back(due);
+    due_.push_back(viewer);
+}
+
+// Viewers who redraw their pictures and need new ones soon come along, as many as the budget has time for: many
+// pictures of one batch take less time. Any two then come together sooner or later.
+void BatchPlanner::takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
+                             Clock::time_point now) {
+    if (due_.empty() || limits.layers_last == Clock::duration{}) return;
+    double ms = 0;
+    for (const Schedule::DrawRequest& request : draw_requests_) ms += schedule_.predict(request.viewer, request.pixels);
     for (size_t i = 0; i < viewers.size(); ++i) {
-        const std::shared_ptr<Viewer>& viewer = viewers[i];
-        const auto due = viewer->pollDue(now, scene, still, most_pixels_[i], limits.layers_last);
+        if (std::ranges::find(due_, viewers[i]) != due_.end()) continue;
+        const auto due = viewers[i]->pollDue(now, scene, false, most_pixels_[i], limits.layers_last / 2);
         if (!due) continue;
-        const auto same = std::find_if(requests_.begin(), requests_.end(),
-                                       [&](const PoseRequest& request) { return samePictures(request, *due); });
-        const PlaneLayout layout{due->width, due->height, limits.full || still};
-        draw_requests_.push_back(
-            {.viewer = viewer->id(),
-             .pixels = paidPixels(*due),
-             .eyes = due->views,
-             .bytes = (layout.bytes() + depthLayerBytes(due->width, due->height, due->layers)) * due->views,
-             .every = viewer->every(),
-             .like = uint32_t(same - requests_.begin())});
-        requests_.push_back(*due);
-        due_.push_back(viewer);
+        ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));
+        if (ms > limits.budget_ms) return;
+        addDue(viewers[i], *due, limits.full);
     }
 }
 
@@ -108,6 +126,7 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     schedule_.expect(limits.ms_per_pixel);
     limitSizes(viewers, limits.most_ms);
     findDue(viewers, scene, limits, false, now);
+    takeAlong(viewers, scene, limits, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
         limitSizes(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));

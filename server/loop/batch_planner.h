@@ -88,6 +88,9 @@ private:
                      Clock::time_point now, BatchContents& out);
     void findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits, bool still,
                  Clock::time_point now);
+    void addDue(const std::shared_ptr<Viewer>& viewer, const PoseRequest& due, bool full);
+    void takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
+                   Clock::time_point now);
     uint32_t seatOf(const std::string& owner);
     void keepRecent(size_t watched, Clock::time_point now);
     void add(const std::shared_ptr<Viewer>& viewer, const Viewer::Due& due, BatchContents& out) const;

@@ -16,21 +16,21 @@ constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
 constexpr float kMeanWaitMs = 500.0f / 60; // mean time until a display's next frame
 
-// A camera that has moved or turned further leaves what a picture with layers shows well: parts of the depth of what it
-// shows, and radians. Layers of a cloud added no error within twice the first (docs/results/layers.md). The second is
-// half of the margin that pages ask for.
-constexpr float kMovedPart = 0.02f, kTurned = 0.035f;
+// How far an eye may go until its last picture's layers no longer show it well: parts of the depth of the medium and of
+// the nearest surface, and radians. Within the first, layers of a cloud added no error (docs/results/layers.md). The
+// last is half of the margin that pages ask for.
+constexpr float kMovedPart = 0.04f, kMovedBeside = 0.02f, kTurned = 0.035f;
 
-// m, of what moves most in a picture when its eye moves. 0: it has no layers.
-float depthOf(const EncodedFrame& frame) {
-    float depth = 0;
+// m, that an eye may move until it needs another picture. 0: this one has no layers.
+float reachOf(const EncodedFrame& frame) {
+    float reach = 0;
     for (const LayersPtr& layers : frame.layers) {
         if (!layers) continue;
-        const float medium = layers->count > 0 ? std::sqrt(layers->near * layers->far) : 0;
-        for (const float one : {medium, layers->nearest})
-            if (one > 0) depth = depth > 0 ? std::min(depth, one) : one;
+        const float medium = layers->count > 0 ? kMovedPart * std::sqrt(layers->near * layers->far) : 0;
+        for (const float one : {medium, kMovedBeside * layers->nearest})
+            if (one > 0) reach = reach > 0 ? std::min(reach, one) : one;
     }
-    return depth;
+    return reach;
 }
 
 // The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
@@ -192,12 +192,11 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
 }
 
 bool Viewer::redraws(const PoseRequest& request) const {
-    if (!made_ || layers_depth_ == 0) return false;
+    if (!made_ || layers_reach_ == 0) return false;
     PoseRequest there = request;
     there.pose.position = made_->pose.position, there.pose.orientation = made_->pose.orientation;
     const glm::quat turn = glm::inverse(made_->pose.orientation) * request.pose.orientation;
-    return samePictures(*made_, there) &&
-           glm::distance(made_->pose.position, request.pose.position) < kMovedPart * layers_depth_ &&
+    return samePictures(*made_, there) && glm::distance(made_->pose.position, request.pose.position) < layers_reach_ &&
            2 * std::asin(std::min(glm::length(glm::vec3(turn.x, turn.y, turn.z)), 1.0f)) < kTurned;
 }
 
@@ -249,7 +248,7 @@ void Viewer::deliver(FramePtr frame) {
             ++counts_.superseded;
         }
         if (overtaken) return;
-        layers_depth_ = depthOf(*frame);
+        layers_reach_ = reachOf(*frame);
         frame_ = std::move(frame);
     }
     const std::scoped_lock lock(notify_mutex_);

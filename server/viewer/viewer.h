@@ -156,7 +156,7 @@ private:
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
-    float layers_depth_ = 0;              // m, of what moves most in its last picture's layers; 0: it had none
+    float layers_reach_ = 0;              // m, that its eye may move with its last picture's layers; 0: it had none
     uint32_t layers_every_ = 1;           // least ticks between frames while it redraws them
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made
     double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`

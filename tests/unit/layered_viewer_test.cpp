@@ -58,7 +58,7 @@ private:
 
 TEST(LayeredViewer, GetsNoPictureThatItCanRedraw) {
     Layered one;
-    one.viewer.setPose(one.pose(0.1f, 0.03f));
+    one.viewer.setPose(one.pose(0.23f, 0.03f));
     EXPECT_FALSE(one.dueAfter(milliseconds(100)));
     EXPECT_TRUE(one.dueAfter(milliseconds(150)));
     EXPECT_EQ(one.viewer.every(), 9u) << "the schedule gives its time to others";
@@ -66,7 +66,7 @@ TEST(LayeredViewer, GetsNoPictureThatItCanRedraw) {
 
 TEST(LayeredViewer, GetsOneWhenItsCameraHasMovedFar) {
     Layered one;
-    one.viewer.setPose(one.pose(0.13f)); // a fiftieth of 6 m
+    one.viewer.setPose(one.pose(0.25f)); // more than 4 % of 6 m
     EXPECT_TRUE(one.dueAfter(milliseconds(17)));
     EXPECT_EQ(one.viewer.every(), 1u);
     Layered near(4, 2.0f); // before a column
