@@ -65,6 +65,45 @@ T linear(const std::vector<T>& of, uint32_t width, uint32_t height, glm::vec2 pi
 
 } // namespace
 
+std::vector<glm::vec3> seenThrough(std::span<const glm::vec3> rest, std::span<const glm::vec4> layers, uint32_t width,
+                                   uint32_t height, size_t smooth) {
+    // Means over squares of 1, 2, 4 ... pixels: rest * transmittance, and its square.
+    struct Level {
+        uint32_t width, height;
+        std::vector<glm::vec4> of;
+    };
+    std::vector<Level> levels{{width, height, {}}};
+    for (size_t i = 0; i < rest.size(); ++i)
+        levels[0].of.emplace_back(rest[i] * layers[i].a, layers[i].a * layers[i].a);
+    while (levels.back().width > 1 || levels.back().height > 1) {
+        const Level& fine = levels.back();
+        Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+        for (uint32_t y = 0; y < coarse.height; ++y)
+            for (uint32_t x = 0; x < coarse.width; ++x) {
+                glm::vec4 sum(0);
+                for (int n = 0; n < 4; ++n)
+                    sum += clamped(fine.of, fine.width, fine.height, int(2 * x) + n % 2, int(2 * y) + n / 2);
+                coarse.of.push_back(0.25f * sum);
+            }
+        levels.push_back(std::move(coarse));
+    }
+    std::vector<glm::vec3> out(rest.size());
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x) {
+            float left = 1; // weight that no mean has yet
+            glm::vec3& own = out[size_t(y) * width + x];
+            for (size_t level = std::min(smooth, levels.size() - 1); level < levels.size() && left > 1e-3f; ++level) {
+                const Level& of = levels[level];
+                const glm::vec4 mean =
+                    linear(of.of, of.width, of.height, (glm::vec2(x, y) + 0.5f) / float(1u << level));
+                const float part = level + 1 == levels.size() ? left : left * std::min(kTold * mean.a, 1.0f);
+                own += part * glm::vec3(mean) / std::max(mean.a, 1e-6f);
+                left -= part;
+            }
+        }
+    return out;
+}
+
 Redraw::Redraw(const LayeredPicture& p)
     : made_{p.eye.position, glm::mat3_cast(p.eye.orientation), frustumOf(p.eye, p.width, p.height)}, width_(p.width),
       height_(p.height), count_(p.count), columns_(p.columns), rows_(p.rows), spacing_(p.spacing), first_(p.first),
@@ -94,7 +133,7 @@ Redraw::Redraw(const LayeredPicture& p)
         for (size_t n = 0; n < nodes; ++n) sky[n] = glm::vec4(lightOf(p.colours[count_ * nodes + n]), 0);
         for (const glm::vec4& one : everywhere(sky)) behind_.emplace_back(one);
     } else {
-        behind_ = seenThrough(rest, attenuated);
+        behind_ = seenThrough(rest, attenuated, width_, height_, kSmooth);
     }
     const bool is_sky = p.surface.empty() && count_ > 0;
     for (size_t i = 0; i < pixels; ++i) {
@@ -134,46 +173,6 @@ std::vector<glm::vec4> Redraw::everywhere(const std::vector<glm::vec4>& nodes) c
                 out[size_t(y) * width_ + x] +=
                     across[n % 4] * down[n / 4] *
                     clamped(coefficients, columns_, rows_, int(low.x) + n % 4 - 1, int(low.y) + n / 4 - 1);
-        }
-    return out;
-}
-
-// What is behind the layers, smooth: `rest` over their transmittance, from farther around where they let little
-// through.
-std::vector<glm::vec3> Redraw::seenThrough(std::span<const glm::vec3> rest, std::span<const glm::vec4> layers) const {
-    // Means over squares of 1, 2, 4 ... pixels: rest * transmittance, and its square.
-    struct Level {
-        uint32_t width, height;
-        std::vector<glm::vec4> of;
-    };
-    std::vector<Level> levels{{width_, height_, {}}};
-    for (size_t i = 0; i < rest.size(); ++i)
-        levels[0].of.emplace_back(rest[i] * layers[i].a, layers[i].a * layers[i].a);
-    while (levels.back().width > 1 || levels.back().height > 1) {
-        const Level& fine = levels.back();
-        Level coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
-        for (uint32_t y = 0; y < coarse.height; ++y)
-            for (uint32_t x = 0; x < coarse.width; ++x) {
-                glm::vec4 sum(0);
-                for (int n = 0; n < 4; ++n)
-                    sum += clamped(fine.of, fine.width, fine.height, int(2 * x) + n % 2, int(2 * y) + n / 2);
-                coarse.of.push_back(0.25f * sum);
-            }
-        levels.push_back(std::move(coarse));
-    }
-    std::vector<glm::vec3> out(rest.size());
-    for (uint32_t y = 0; y < height_; ++y)
-        for (uint32_t x = 0; x < width_; ++x) {
-            float left = 1; // weight that no mean has yet
-            glm::vec3& own = out[size_t(y) * width_ + x];
-            for (size_t level = std::min(kSmooth, levels.size() - 1); level < levels.size() && left > 1e-3f; ++level) {
-                const Level& of = levels[level];
-                const glm::vec4 mean =
-                    linear(of.of, of.width, of.height, (glm::vec2(x, y) + 0.5f) / float(1u << level));
-                const float part = level + 1 == levels.size() ? left : left * std::min(kTold * mean.a, 1.0f);
-                own += part * glm::vec3(mean) / std::max(mean.a, 1e-6f);
-                left -= part;
-            }
         }
     return out;
 }

@@ -33,6 +33,12 @@ struct LayeredPicture {
     std::vector<uint8_t> surface; // width * height bytes of depth; empty: nothing but sky
 };
 
+// What is behind layers, smooth: `rest`, the light of a picture besides theirs, over what they let through; from
+// farther around where that is little. Both have width * height places. Of `layers` the last number counts, their
+// transmittance. `smooth`: it is a mean over squares of 2^smooth places at least.
+std::vector<glm::vec3> seenThrough(std::span<const glm::vec3> rest, std::span<const glm::vec4> layers, uint32_t width,
+                                   uint32_t height, size_t smooth);
+
 class Redraw {
 public:
     // Takes apart what the picture shows: what each layer sends, and what is behind all of them.
@@ -50,7 +56,6 @@ private:
         Frustum frustum;
     };
     std::vector<glm::vec4> everywhere(const std::vector<glm::vec4>& nodes) const;
-    std::vector<glm::vec3> seenThrough(std::span<const glm::vec3> rest, std::span<const glm::vec4> layers) const;
     glm::vec2 pixelOf(glm::vec3 seen) const; // of a point in the picture's own view, whose depth is positive
     float depthAt(uint32_t layer, glm::vec2 pixel) const;
     float surfaceAt(glm::vec2 pixel) const;

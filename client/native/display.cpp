@@ -96,6 +96,55 @@ void Display::present() {
     SDL_RenderPresent(renderer_.get());
 }
 
+bool Display::take(const Sheets& sheets) {
+    sheets_.clear();
+    for (const Sheet& sheet : sheets.all()) {
+        SheetTextures& own = sheets_.emplace_back();
+        const auto make = [&](std::unique_ptr<SDL_Texture, Destroy>& to, const std::vector<uint8_t>& bytes,
+                              SDL_BlendMode mode) {
+            if (bytes.empty()) return true;
+            to.reset(SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STATIC, sheet.width,
+                                       sheet.height));
+            return to && SDL_UpdateTexture(to.get(), nullptr, bytes.data(), 4 * sheet.width) == 0 &&
+                   SDL_SetTextureBlendMode(to.get(), mode) == 0;
+        };
+        const bool hides = sheet.transmittance.empty();
+        if (make(own.transmittance, sheet.transmittance, SDL_BLENDMODE_MOD) &&
+            make(own.colours, sheet.colours, hides ? SDL_BLENDMODE_NONE : SDL_BLENDMODE_ADD))
+            continue;
+        sheets_.clear();
+        return false;
+    }
+    return true;
+}
+
+void Display::present(const Sheets& sheets, const Pose& eye) {
+    const auto w = float(width()), h = float(height());
+    SDL_SetRenderDrawColor(renderer_.get(), 0, 0, 0, 255);
+    SDL_RenderClear(renderer_.get());
+    std::vector<SDL_Vertex> vertices;
+    std::vector<int> triangles;
+    for (size_t i = 0; i < sheets_.size(); ++i) {
+        vertices.clear(), triangles.clear();
+        for (const Vertex& one : sheets.seen(sheets.all()[i], eye, w / std::max(h, 1.0f)))
+            vertices.push_back({{one.x * w, one.y * h}, {255, 255, 255, 255}, {one.u, one.v}});
+        for (int patch = 0; patch < int(vertices.size()); patch += 4)
+            for (const int corner : {0, 1, 2, 2, 1, 3}) triangles.push_back(patch + corner);
+        for (const auto* texture : {&sheets_[i].transmittance, &sheets_[i].colours})
+            if (*texture)
+                SDL_RenderGeometry(renderer_.get(), texture->get(), vertices.data(), int(vertices.size()),
+                                   triangles.data(), int(triangles.size()));
+    }
+    SDL_RenderPresent(renderer_.get());
+}
+
+std::vector<uint8_t> Display::read() const {
+    std::vector<uint8_t> pixels(size_t(4) * size_t(width()) * size_t(height()));
+    if (SDL_RenderReadPixels(renderer_.get(), nullptr, SDL_PIXELFORMAT_RGB888, pixels.data(), 4 * width()) != 0)
+        return {};
+    return pixels;
+}
+
 std::pair<float, float> Display::inPicture(int x, int y) const {
     const Place at = place();
     return {std::clamp((float(x - at.x) + 0.5f) / float(at.w), 0.0f, 1.0f),

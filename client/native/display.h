@@ -5,6 +5,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "client/native/sheets.h"
 
 struct SDL_Window;
 struct SDL_Renderer;
@@ -30,8 +33,14 @@ public:
     // Nothing is replaced if `fill` returns false. Returns what `fill` returns. Throws std::runtime_error if the
     // device fails.
     bool update(int width, int height, const std::function<bool(uint8_t* pixels, int pitch)>& fill);
+    // Takes a picture with layers in place of the last ones. False: this display cannot draw them.
+    bool take(const Sheets& sheets);
+    // Draws the picture with layers as `eye` sees it, in the whole drawing area. Precondition: take() returned true.
+    void present(const Sheets& sheets, const Pose& eye);
     // Draws the newest picture, centred and as large as fits in its own shape.
     void present();
+    // What is shown: width() * height() pixels of 4 bytes (B, G, R, unused). Empty if the device does not say.
+    std::vector<uint8_t> read() const;
     // Where a pixel of the window lies in the picture: from the left and from the top, each clamped to [0, 1].
     std::pair<float, float> inPicture(int x, int y) const;
 
@@ -54,6 +63,10 @@ private:
     std::unique_ptr<SDL_Window, Destroy> window_;
     std::unique_ptr<SDL_Renderer, Destroy> renderer_;
     std::unique_ptr<SDL_Texture, Destroy> texture_;
+    struct SheetTextures {
+        std::unique_ptr<SDL_Texture, Destroy> transmittance, colours; // null: none
+    };
+    std::vector<SheetTextures> sheets_; // from back to front
     int texture_width_ = 0, texture_height_ = 0;
     bool has_picture_ = false;
 };

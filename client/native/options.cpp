@@ -111,6 +111,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--pause", options.pause, "Pause the scene, for everybody, before the first picture");
+    app.add_flag("--redraw", options.redraw,
+                 "Redraw pictures in the window where its camera is by now, from a layer with depth");
     app.add_flag("--headless", options.headless, "No window");
     allow(app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on"), 0, 10'000'000);
     allow(app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on"), 0.0, 1e7);
@@ -134,6 +136,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
             server.ca = ca;
         }
         parseSize(size, options.wishes);
+        if (options.redraw && (options.headless || stereo))
+            throw CLI::ValidationError("--redraw", "is for a window with one eye");
         options.wishes.views = stereo ? 2 : 1;
         const auto kind = pathNamed(path);
         if (!kind) refuse("--path", path, "still, orbit, fly or walk");

@@ -20,6 +20,7 @@ struct TimedImpulse {
 struct Options {
     std::vector<Endpoint> servers{{"127.0.0.1", 8080, "/ws"}}; // one at least; the next is tried when one is lost
     Wishes wishes;
+    bool redraw = false;              // true: the window redraws pictures where its camera is by now
     bool headless = false;            // true: no window
     uint64_t frames = 0;              // stop after so many frames; 0: no limit
     double seconds = 0;               // stop so long after the first frame; 0: no limit

@@ -1,6 +1,7 @@
 #include "client/native/window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -21,6 +22,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr uint64_t kPoseEveryUs = 16'667; // 60 Hz, sent while nothing moves too: each measures the latency anew
+constexpr uint64_t kRedrawEveryUs = 16'667;
 constexpr uint64_t kPushEveryUs = 33'333; // a drag is many events
 constexpr uint64_t kSecondUs = 1'000'000;
 constexpr uint64_t kTitleEveryUs = 500'000;
@@ -28,6 +30,7 @@ constexpr uint64_t kToldUs = 4'000'000;      // what the server refused stays in
 constexpr uint64_t kResizeAfterUs = 150'000; // a size is asked for when the hand rests
 // The socket is waited for, the window is asked in between: the most that a key stroke waits.
 constexpr milliseconds kLoopWait{4};
+constexpr float kWider = 1.1f; // factor on the sides of a picture that is redrawn
 
 class WindowedViewer {
 public:
@@ -64,6 +67,10 @@ private:
                 converse(*session, now);
             else
                 SDL_Delay(kLoopWait.count());
+            if (sheets_ && now >= next_redraw_us_) {
+                next_redraw_us_ = now + kRedrawEveryUs;
+                present();
+            }
             if (now >= next_title_us_) showTitle(now);
         }
     }
@@ -84,7 +91,7 @@ private:
                 if (event.window.event == SDL_WINDOWEVENT_MINIMIZED) hide(true);
                 if (event.window.event == SDL_WINDOWEVENT_RESTORED || event.window.event == SDL_WINDOWEVENT_MAXIMIZED)
                     hide(false);
-                display_.present(); // exposed, restored, resized: draw again
+                present(); // exposed, restored, resized: draw again
             }
             if (gestures_) gestures_->handle(event, display_);
         }
@@ -150,7 +157,7 @@ private:
         if (now >= next_pose_us_) {
             Pose pose = gestures_->pose();
             if (wishes_.views == 2) pose.eye_separation = kEyeSeparation;
-            session.sendPose(pose, wishes_.width, wishes_.height, hidden_);
+            sendPose(session, pose);
             next_pose_us_ = now + (hidden_ ? kSecondUs : kPoseEveryUs);
         }
         if (now >= next_ping_us_) {
@@ -170,6 +177,13 @@ private:
             session.sendPaused(!paused_);
             statistics_.inputSent();
         }
+    }
+
+    void sendPose(Session& session, Pose pose) {
+        if (!options_.redraw) return void(session.sendPose(pose, wishes_.width, wishes_.height, hidden_));
+        pose.fov_y = 2 * std::atan(kWider * std::tan(pose.fov_y / 2));
+        const auto wider = [](uint16_t pixels) { return uint16_t(std::lround(kWider * float(pixels))); };
+        session.sendPose(pose, wider(wishes_.width), wider(wishes_.height), hidden_, 1);
     }
 
     void send(Session& session, const Impulse& impulse) {
@@ -192,7 +206,9 @@ private:
             return good;
         });
         if (!whole) throw std::runtime_error("a picture from the server is broken: " + decoder_.error());
-        display_.present();
+        sheets_ = options_.redraw ? Sheets::of(message, decoder_) : std::nullopt;
+        if (sheets_ && !display_.take(*sheets_)) sheets_.reset();
+        present();
         const uint64_t presented = nowUs();
         session.acknowledge(frame.id());
         link_.heard(presented);
@@ -207,6 +223,14 @@ private:
         seen_.fov_y = record.fov_y;
     }
 
+    // The newest picture; with layers as the camera sees it now.
+    void present() {
+        if (sheets_)
+            display_.present(*sheets_, gestures_->pose());
+        else
+            display_.present();
+    }
+
     void showTitle(uint64_t now) {
         next_title_us_ = now + kTitleEveryUs;
         if (!link_.trouble().empty()) return display_.setTitle("brume: reconnecting: " + link_.trouble());
@@ -214,6 +238,7 @@ private:
         const uint64_t since = now > 3 * kSecondUs ? now - 3 * kSecondUs : 0; // slow servers too show a rate
         std::string title = fmt::format("brume: {}, {:.1f} fps", scene_, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
+        if (sheets_) title += ", redrawn";
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
                              paused_ ? ", paused" : "");
         if (!standstill_.empty()) title = fmt::format("brume: {} stands still: {}", scene_, standstill_);
@@ -230,6 +255,7 @@ private:
     Wishes wishes_; // the size follows the window
     Link link_;
     JpegDecoder decoder_;
+    std::optional<Sheets> sheets_; // of the newest picture, if it has layers
     CameraPath camera_;
     std::optional<Gestures> gestures_; // from the first welcome on
     Pose seen_;                        // camera of the picture that is shown
@@ -241,7 +267,8 @@ private:
     uint32_t viewers_ = 0;
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
-    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, resized_us_ = 0, told_us_ = 0;
+    uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, next_redraw_us_ = 0,
+             resized_us_ = 0, told_us_ = 0;
     size_t impulses_sent_ = 0;
 };
 
