@@ -179,7 +179,7 @@ private:
         }
     }
 
-    void sendPose(Session& session, Pose pose) {
+    void sendPose(Session& session, Pose pose) const {
         if (!options_.redraw) return void(session.sendPose(pose, wishes_.width, wishes_.height, hidden_));
         pose.fov_y = 2 * std::atan(kWider * std::tan(pose.fov_y / 2));
         const auto wider = [](uint16_t pixels) { return uint16_t(std::lround(kWider * float(pixels))); };
