@@ -29,7 +29,8 @@ void MediumPace::look(const Simulation& simulation) {
     } else if (same) {
         double sum = 0;
         for (size_t i = 0; i < now_.size(); ++i) {
-            const double moved = double(glm::distance(now_[i].centre, before_[i].centre)) / double(now_[i].scale);
+            const double moved =
+                double(glm::distance(now_[i].centre, before_[i].centre) / std::max(now_[i].scale, 1e-6f));
             const double most = double(std::max({now_[i].sigma_t, before_[i].sigma_t, 1e-30f}));
             sum += moved * moved + std::pow(double(now_[i].sigma_t - before_[i].sigma_t) / most, 2);
         }

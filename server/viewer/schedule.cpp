@@ -82,7 +82,8 @@ void Schedule::setTurns(std::span<const DrawRequest> requests, Clock::time_point
     deadlines_.clear();
     for (const DrawRequest& request : requests) {
         const Turn& turn = turns_[request.viewer];
-        const auto own = Millis(predict(request.viewer, request.pixels) / part);
+        const double ms = predict(request.viewer, request.pixels); // 0 where nothing is known, and then of `part`, too
+        const auto own = std::min(Millis(part > 0 ? ms / part : 0), Millis(kForget));
         const auto interval =
             std::max<Clock::duration>(tick * request.every, std::chrono::duration_cast<Clock::duration>(own));
         const bool drawn = turn.began != Clock::time_point{};
