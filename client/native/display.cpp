@@ -58,6 +58,7 @@ int Display::height() const {
 }
 
 bool Display::update(int width, int height, const std::function<bool(uint8_t*, int)>& fill) {
+    sheets_.clear();
     if (!texture_ || width != texture_width_ || height != texture_height_) {
         texture_.reset(
             SDL_CreateTexture(renderer_.get(), SDL_PIXELFORMAT_RGB888, SDL_TEXTUREACCESS_STREAMING, width, height));
@@ -78,7 +79,7 @@ bool Display::update(int width, int height, const std::function<bool(uint8_t*, i
 
 Display::Place Display::place() const {
     const int w = width(), h = height();
-    if (!texture_ || w <= 0 || h <= 0) return {0, 0, std::max(w, 1), std::max(h, 1)};
+    if (!texture_ || w <= 0 || h <= 0 || !sheets_.empty()) return {0, 0, std::max(w, 1), std::max(h, 1)};
     const double scale = std::min(double(w) / texture_width_, double(h) / texture_height_);
     const int picture_w = std::max(1, int(texture_width_ * scale + 0.5)),
               picture_h = std::max(1, int(texture_height_ * scale + 0.5));

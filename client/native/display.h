@@ -45,7 +45,7 @@ public:
     std::pair<float, float> inPicture(int x, int y) const;
 
 private:
-    struct Place { // the picture's rectangle in the drawing area, in pixels
+    struct Place { // the picture's rectangle in the drawing area, in pixels; all of it for one with layers
         int x, y, w, h;
     };
     Place place() const;

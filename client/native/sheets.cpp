@@ -1,6 +1,7 @@
 #include "client/native/sheets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -20,10 +21,33 @@ constexpr float kOneSurface = 1.1f; // most factor between depths of one surface
 constexpr int kPatches = 160;       // of what is behind the layers, in a row
 constexpr float kLeastDepth = 1e-3f;
 
-float linearOf(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
-float displayed(float x) {
-    x = std::clamp(x, 0.0f, 1.0f);
-    return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+// Both curves by table: every pixel of every picture needs them.
+struct Curves {
+    std::array<float, 256> linear;     // of sRGB bytes
+    std::array<float, 4097> displayed; // of light 0 ... 1
+
+    Curves() {
+        for (size_t i = 0; i < linear.size(); ++i) {
+            const float x = float(i) / 255;
+            linear[i] = x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+        }
+        for (size_t i = 0; i < displayed.size(); ++i) {
+            const float x = float(i) / float(displayed.size() - 1);
+            displayed[i] = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+        }
+    }
+    glm::vec3 linearOf(glm::vec3 srgb) const {
+        const glm::vec3 byte = glm::round(255.0f * srgb);
+        return {linear[size_t(byte.r)], linear[size_t(byte.g)], linear[size_t(byte.b)]};
+    }
+    glm::vec3 displayedOf(glm::vec3 light) const {
+        const glm::vec3 at = glm::round(float(displayed.size() - 1) * glm::clamp(light, 0.0f, 1.0f));
+        return {displayed[size_t(at.r)], displayed[size_t(at.g)], displayed[size_t(at.b)]};
+    }
+};
+const Curves& curves() {
+    static const Curves made;
+    return made;
 }
 
 glm::vec3 texel(const Picture& picture, int x, int y) {
@@ -46,7 +70,7 @@ struct Told {
     // Block 0: the layer. 1: the sky behind it, which lets nothing through.
     glm::vec4 node(int block, int x, int y) const {
         const glm::vec3 shown = texel(colours, x, block * of.block_rows() + y);
-        return {linearOf(shown.r), linearOf(shown.g), linearOf(shown.b), block == 0 ? texel(data, x, y).r : 0};
+        return glm::vec4(curves().linearOf(shown), block == 0 ? texel(data, x, y).r : 0);
     }
     float depth(int x, int y) const { // m
         return of.near() * std::pow(of.far() / of.near(), texel(data, x, of.block_rows() + y).r);
@@ -57,16 +81,24 @@ struct Told {
     }
 };
 
+// True: a lattice that may be of a picture of this size. Bytes of a server are not trusted.
+bool isUsable(const wire::DepthLayers& of, int width, int height) {
+    constexpr int kBeyond = 32; // nodes outside of the picture, in rows and columns, at most
+    const auto holds = [](float x, float lo, float hi) { return x >= lo && x <= hi; };
+    return of.count() == 1 && of.columns() >= 2 && of.columns() <= width + kBeyond && of.rows() >= 2 &&
+           of.rows() <= of.block_rows() && of.block_rows() <= height + kBeyond && holds(of.spacing(), 1, 1e4f) &&
+           holds(of.first(), -1e5f, 1e5f) && holds(of.near(), 1e-6f, 1e9f) && holds(of.far(), of.near(), 1e9f) &&
+           of.far() > of.near();
+}
+
 // True: all pictures are there, and as large as the frame says.
 bool read(const Received& message, JpegDecoder& decoder, Told& told) {
     const auto& frame = *message.as<wire::Frame>();
     const wire::DepthLayers& of = told.of;
     const auto picture = [&](uint32_t number) { return message.parsed().layerPicture(0, number); };
     const bool sky = picture(2).empty();
-    if (of.columns() < 2 || of.rows() < 2 || of.rows() > of.block_rows() || !(of.spacing() > 0) ||
-        !(of.near() > 0 && of.far() > of.near()))
-        return false;
-    return decoder.decode(message.parsed().view(0), frame.width(), frame.height(), told.picture) &&
+    return isUsable(of, frame.width(), frame.height()) &&
+           decoder.decode(message.parsed().view(0), frame.width(), frame.height(), told.picture) &&
            decoder.decode(picture(0), of.columns(), (sky ? 2 : 1) * of.block_rows(), told.colours) &&
            decoder.decode(picture(1), of.columns(), 2 * of.block_rows(), told.data) &&
            (sky || decoder.decode(picture(2), frame.width(), frame.height(), told.surface));
@@ -98,7 +130,7 @@ std::vector<glm::vec4> behindNodes(const Told& told, const std::vector<glm::vec4
     for (uint32_t i = 0; i < layer.size(); ++i) {
         const glm::vec2 at = of.first() + of.spacing() * glm::vec2(i % of.columns(), i / of.columns());
         const glm::vec3 shown = texel(told.picture, int(at.x), int(at.y));
-        rest.push_back(glm::vec3(linearOf(shown.r), linearOf(shown.g), linearOf(shown.b)) - glm::vec3(layer[i]));
+        rest.push_back(curves().linearOf(shown) - glm::vec3(layer[i]));
     }
     const size_t smooth = of.spacing() < kSmooth ? 1 : 0;
     std::vector<glm::vec4> out;
@@ -122,11 +154,11 @@ void addTextures(const Told& told, Sheet& behind, Sheet& layer) {
             const glm::vec4 own = between(nodes, told.of, x, y);
             glm::vec3 seen(between(seen_nodes, told.of, x, y));
             if (!told.isSky()) {
-                const glm::vec3 light(linearOf(shown.r), linearOf(shown.g), linearOf(shown.b)), through = own.a * seen;
+                const glm::vec3 light = curves().linearOf(shown), through = own.a * seen;
                 const glm::vec3 part = through / glm::max(glm::vec3(own) + glm::max(through, 0.0f), kLeastLight);
                 seen += part * (light - glm::vec3(own) - through) / std::max(own.a, kLeastSeen);
             }
-            const glm::vec3 back(displayed(seen.r), displayed(seen.g), displayed(seen.b));
+            const glm::vec3 back = curves().displayedOf(seen);
             put(behind.colours, at, back);
             put(layer.transmittance, at, glm::vec3(own.a));
             put(layer.colours, at, shown - own.a * back);
@@ -186,7 +218,7 @@ std::optional<Sheets> Sheets::of(const Received& message, JpegDecoder& decoder) 
     const auto* frame = message.as<wire::Frame>();
     if (!frame || !frame->layers() || frame->layers()->size() != 1 || frame->jpeg_bytes()->size() != 1) return {};
     Told told{*frame->layers()->Get(0), {}, {}, {}, {}};
-    if (told.of.count() != 1 || !read(message, decoder, told)) return {};
+    if (!read(message, decoder, told)) return {};
     Sheets out;
     out.width_ = frame->width(), out.height_ = frame->height();
     const wire::Vec3& position = *frame->position();
@@ -194,6 +226,7 @@ std::optional<Sheets> Sheets::of(const Received& message, JpegDecoder& decoder) 
     out.made_.position = glm::vec3(position.x(), position.y(), position.z());
     out.made_.orientation = glm::quat(turn.w(), turn.x(), turn.y(), turn.z());
     out.made_.fov_y = frame->fov_y();
+    if (!brume::isUsable(out.made_)) return {};
     auto& [behind, layer] = out.sheets_;
     addTextures(told, behind, layer);
     addSurface(behind, told);

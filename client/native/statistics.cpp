@@ -191,6 +191,7 @@ Json Statistics::json() const {
             {"ended", ended_},
             {"frames", frames_},
             {"dropped", dropped_},
+            {"redrawn", redrawn_},
             {"seconds", secondsShown()},
             {"frame_rate", frameRate()},
             {"bytes", bytes_},

@@ -47,6 +47,7 @@ public:
     void welcome(const Granted& granted);
     void frame(const FrameRecord& record);
     void dropped() { ++dropped_; } // counts a frame that a newer one replaced before it was shown
+    void redrawn() { ++redrawn_; } // counts a picture of the display that was made from a frame's layers
     void error(const wire::Error& error);
     void roundTrip(std::optional<float> ms) {
         if (ms) round_trip_ms_ = ms;
@@ -78,7 +79,7 @@ private:
     Granted granted_;
     std::string key_; // Granted::resume of the present connection
     uint32_t welcomes_ = 0, resumed_ = 0;
-    uint64_t frames_ = 0, dropped_ = 0, bytes_ = 0, inputs_ = 0, errors_ = 0, first_us_ = 0;
+    uint64_t frames_ = 0, dropped_ = 0, redrawn_ = 0, bytes_ = 0, inputs_ = 0, errors_ = 0, first_us_ = 0;
     std::deque<FrameRecord> records_;
     struct ErrorRecord {
         wire::ErrorCode code;

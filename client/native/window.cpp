@@ -171,7 +171,8 @@ private:
         if (now >= next_push_us_) {
             const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
             next_push_us_ = now + kPushEveryUs;
-            if (const auto impulse = gestures_->takeImpulse(seen_, seconds)) send(session, *impulse);
+            if (const auto impulse = gestures_->takeImpulse(sheets_ ? gestures_->pose() : seen_, seconds))
+                send(session, *impulse);
         }
         if (gestures_->pauseToggled()) {
             session.sendPaused(!paused_);
@@ -225,10 +226,9 @@ private:
 
     // The newest picture; with layers as the camera sees it now.
     void present() {
-        if (sheets_)
-            display_.present(*sheets_, gestures_->pose());
-        else
-            display_.present();
+        if (!sheets_) return display_.present();
+        display_.present(*sheets_, gestures_->pose());
+        statistics_.redrawn();
     }
 
     void showTitle(uint64_t now) {

@@ -151,6 +151,7 @@ void FrameLoop::followTicks(bool sought) {
 // Pictures at rest are drawn anew, by a new plan, and viewers are told.
 void FrameLoop::changed() {
     ++shown_.version;
+    drawing_.pace().disturb(Clock::now());
     told_.stale = true;
     drawing_.planning().renew();
 }
@@ -207,6 +208,7 @@ void FrameLoop::takeScene() {
     shown_.simulation = std::move(next->simulation);
     shown_.drawn = featuresOf(shown_.simulation.now());
     ++shown_.version;
+    drawing_.pace().disturb(Clock::now());
     drawing_.showScene();
     audience_.setScene(std::move(facts));
     audience_.prepare({}); // it is there

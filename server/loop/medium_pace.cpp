@@ -22,7 +22,8 @@ void MediumPace::look(const Simulation& simulation) {
     const uint32_t live = simulation.liveCount(), every = (live + kParticles - 1) / kParticles;
     now_.resize(every == 0 ? 0 : (live + every - 1) / every);
     if (every > 0) simulation.write(now_, every);
-    const bool same = tick_ && tick > *tick_ && now_.size() == before_.size();
+    // A mean over a longer time says little of now.
+    const bool same = tick_ && tick > *tick_ && tick <= *tick_ + 2 * kTicksApart && now_.size() == before_.size();
     known_ = false;
     if (same && simulation.now().simulation.paused) {
         known_ = true, change_ = 0;

@@ -16,10 +16,18 @@ constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
 constexpr float kMeanWaitMs = 500.0f / 60; // mean time until a display's next frame
 
-// How far an eye may go until its last picture's layers no longer show it well: parts of the depth of the medium and of
-// the nearest surface, and radians. Within the first, layers of a cloud added no error (docs/results/layers.md). The
-// last is half of the margin that pages ask for.
-constexpr float kMovedPart = 0.04f, kMovedBeside = 0.02f, kTurned = 0.035f;
+// How far an eye may move until its last picture's layers no longer show it well: parts of the depth of the medium and
+// of the nearest surface. Within the first, layers of a cloud added no error (docs/results/layers.md). That was at the
+// field of view of most scenes; a narrower one shows the same move larger.
+constexpr float kMovedPart = 0.04f, kMovedBeside = 0.02f, kUsualTangent = 0.42f;
+// How far it may turn, as a part of the tangent of half the field of view: pages ask for a margin of a tenth.
+constexpr float kTurnedPart = 0.08f;
+
+// Tangent of half the vertical field of view.
+float tangentOf(const Pose& pose) {
+    const Frustum& f = pose.frustum;
+    return f.up + f.down > 0 ? 0.5f * (f.up + f.down) : std::tan(0.5f * pose.fov_y);
+}
 
 // m, that an eye may move until it needs another picture. 0: this one has no layers.
 float reachOf(const EncodedFrame& frame) {
@@ -193,11 +201,14 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
 
 bool Viewer::redraws(const PoseRequest& request) const {
     if (!made_ || layers_reach_ == 0) return false;
+    const Pose &made = made_->pose, &wanted = request.pose;
     PoseRequest there = request;
-    there.pose.position = made_->pose.position, there.pose.orientation = made_->pose.orientation;
-    const glm::quat turn = glm::inverse(made_->pose.orientation) * request.pose.orientation;
-    return samePictures(*made_, there) && glm::distance(made_->pose.position, request.pose.position) < layers_reach_ &&
-           2 * std::asin(std::min(glm::length(glm::vec3(turn.x, turn.y, turn.z)), 1.0f)) < kTurned;
+    there.pose.position = made.position, there.pose.orientation = made.orientation;
+    const float half = tangentOf(wanted);
+    const glm::quat turn = glm::inverse(made.orientation) * wanted.orientation;
+    const float angle = 2 * std::asin(std::min(glm::length(glm::vec3(turn.x, turn.y, turn.z)), 1.0f));
+    return samePictures(*made_, there) && angle < kTurnedPart * half / (1 + half * half) &&
+           glm::distance(made.position, wanted.position) < layers_reach_ * std::min(half / kUsualTangent, 1.0f);
 }
 
 PoseRequest Viewer::reducedBy(const QualityStep& step) const {

@@ -154,6 +154,22 @@ describe('two eyes', () => {
       await page.leave();
     });
 
+  test('a browser without WebGL 2 says so, and shows pictures as they come', async (t) => {
+    const script = `{
+      const { getContext } = HTMLCanvasElement.prototype;
+      HTMLCanvasElement.prototype.getContext = function (kind, ...wish) {
+        return kind === 'webgl2' ? null : getContext.call(this, kind, ...wish);
+      };
+    }`;
+    const page = await openPage(t, browser, `${server.url}/?reproject=layers`, { script });
+    await page.getByText('This browser has no WebGL 2, which that needs.').waitFor();
+    await connected(page);
+    await another(page, 3);
+    const { lastFrame, reprojection } = await page.evaluate(() => window.brume);
+    assert.deepEqual([reprojection, lastFrame.layers], ['off', undefined]);
+    await page.leave();
+  });
+
   test('pictures that come late are redrawn from layers though nobody asked, and a line says so', async (t) => {
     const delay = await startDelay(server.url, 60);
     t.after(() => delay.stop());
@@ -164,12 +180,18 @@ describe('two eyes', () => {
         return name === 0x9246 ? 'a graphics card' : getParameter.call(this, name);
       };
     }`;
-    const page = await openPage(t, browser, delay.url, { script });
-    await connected(page);
-    assert.equal(await page.evaluate(() => window.brume.reprojection), 'off');
-    await until(page, 'layers come', (brume) => brume.reprojection === 'layers' && brume.lastFrame.layers > 0);
-    await page.getByText('Live, redrawn here between pictures').waitFor();
-    assert.equal(await page.evaluate(() => JSON.parse(localStorage.getItem('brume')).reprojection), 'auto');
-    await page.leave();
+    for (const query of ['', '?eyes=side']) {
+      const page = await openPage(t, browser, `${delay.url}/${query}`, { script });
+      await connected(page);
+      assert.equal(await page.evaluate(() => window.brume.reprojection), 'off');
+      await until(page, 'layers come', (brume) => brume.reprojection === 'layers' && brume.lastFrame.layers > 0);
+      await page.getByText('Live, redrawn here between pictures').waitFor();
+      assert.equal(await page.evaluate(() => JSON.parse(localStorage.getItem('brume')).reprojection), 'auto');
+      const viewer = await page.evaluate(() => window.brume.viewer);
+      await another(page, 10);
+      const now = await page.evaluate(() => window.brume);
+      assert.deepEqual([now.viewer, now.reprojection, now.lastFrame.views], [viewer, 'layers', 1], 'and they stay');
+      await page.leave();
+    }
   });
 });

@@ -332,9 +332,11 @@ TEST_F(ClientProgram, AWindowShowsFramesAndReconnects) {
     EXPECT_EQ(stats()["frames"], 5);
     EXPECT_GT(contrast(decoded(contentOf(out_ / "frame-00005.jpg"), 160, 96)), 8);
 
-    const auto redrawn =
-        startClient({"--url", url(), "--size", "160x96", "--path", "orbit", "--redraw", "--seconds", "3"}, dummy);
+    const auto redrawn = startClient({"--url", url(), "--size", "160x96", "--path", "orbit", "--redraw", "--seconds",
+                                      "8", "--out", out_.string(), "--no-save"},
+                                     dummy);
     EXPECT_EQ(redrawn->exitCode(), 0) << redrawn->err();
+    EXPECT_GT(stats()["redrawn"], 10);
 
     auto server = std::make_unique<RunningServer>();
     const std::string port = std::to_string(server->port());

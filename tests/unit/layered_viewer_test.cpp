@@ -58,7 +58,7 @@ private:
 
 TEST(LayeredViewer, GetsNoPictureThatItCanRedraw) {
     Layered one;
-    one.viewer.setPose(one.pose(0.23f, 0.03f));
+    one.viewer.setPose(one.pose(0.23f, 0.025f));
     EXPECT_FALSE(one.dueAfter(milliseconds(100)));
     EXPECT_TRUE(one.dueAfter(milliseconds(150)));
     EXPECT_EQ(one.viewer.every(), 9u) << "the schedule gives its time to others";
@@ -80,6 +80,15 @@ TEST(LayeredViewer, GetsOneWhenItsCameraHasTurnedFar) {
         one.viewer.setPose(one.pose(0, turned));
         EXPECT_TRUE(one.dueAfter(milliseconds(17))) << turned;
     }
+    Layered narrow; // a narrow field of view has a narrow margin
+    PoseRequest narrow_pose = narrow.pose();
+    narrow_pose.pose.fov_y = 0.1f;
+    narrow.viewer.setPose(narrow_pose);
+    narrow.deliver(kStart);
+    narrow_pose.seq += 1;
+    narrow_pose.pose.orientation = glm::angleAxis(0.01f, glm::vec3(0, 1, 0));
+    narrow.viewer.setPose(narrow_pose);
+    EXPECT_TRUE(narrow.dueAfter(milliseconds(17)));
     Layered same;
     PoseRequest pose = same.pose();
     pose.pose.orientation = -pose.pose.orientation; // the same orientation

@@ -17,11 +17,6 @@ namespace {
 constexpr uint32_t kRates[] = {60, 30, 15, 10, 5}; // pictures a second
 constexpr uint32_t kLooks = 12, kLookEvery = 7;    // of a display at 60 Hz, and ticks between them
 
-// A camera that goes on for `seconds`.
-struct Path {
-    const char* name;
-    float sideways = 0, around = 0; // m/s; degrees/s about the target
-};
 constexpr Path kPaths[] = {{"walks, 1.4 m/s", 1.4f}, {"orbits, 10°/s", 0, 10}};
 
 Pose along(const Path& path, const Pose& pose, glm::vec3 target, float seconds) {
@@ -87,7 +82,7 @@ constexpr Path kSlowPaths[] = {{"walks, 0.3 m/s", 0.3f}, {"orbits, 5°/s", 0, 5}
 using Shown = std::vector<glm::vec3>; // sRGB, 0 ... 255
 
 // RMS over pixels and colours of the second difference in time, of each picture but the first and last.
-std::vector<double> jumps(const std::vector<Shown>& film, const std::vector<uint8_t>& mask) {
+std::vector<double> jumpsOf(const std::vector<Shown>& film, const std::vector<uint8_t>& mask) {
     std::vector<double> out;
     for (size_t i = 1; i + 1 < film.size(); ++i) {
         double sum = 0, count = 0;
@@ -109,52 +104,57 @@ std::string text(const std::vector<double>& jumps) {
 
 } // namespace
 
-// The medium stands, so that nothing moves but the camera.
+Jumps arrivalJumps(Stage& stage, const LayersQuestion& question, const Path& path, const std::string& film) {
+    const DisplaySettings display = displayOf(stage.scene().render);
+    const glm::vec3 target = stage.scene().camera.target;
+    const auto shown = [&](const RadianceImage& picture) {
+        const std::vector<glm::u8vec3> bytes = displayed(picture, display);
+        return Shown(bytes.begin(), bytes.end());
+    };
+    std::vector<Shown> truth, stays, layers, blended;
+    std::vector<uint8_t> mask;
+    LayeredPicture before, newest;
+    Pose made;
+    for (uint32_t i = 0; i < kShown; ++i) {
+        const Pose now = along(path, stage.pose(), target, float(i) / 60);
+        const uint32_t age = i % kArrivesEvery;
+        if (age == 0) {
+            made = now;
+            before = std::move(newest);
+            newest =
+                layeredView(stage, wider(now, question), widerSize(question), kLayersOfPage, question.quality).picture;
+        }
+        const RadianceImage there = stage.picture(now, question.size);
+        if (mask.empty()) mask = mediumMask(there);
+        truth.push_back(shown(there));
+        stays.push_back(shown(redrawn(distant(newest), made, question.size)));
+        layers.push_back(shown(redrawn(newest, now, question.size)));
+        blended.push_back(layers.back());
+        const float part = std::min(float(age) / kBlended, 1.0f);
+        if (!before.picture.empty() && part < 1) {
+            const Shown old = shown(redrawn(before, now, question.size));
+            for (size_t p = 0; p < old.size(); ++p) blended.back()[p] = glm::mix(old[p], layers.back()[p], part);
+        }
+        if (film.empty()) continue;
+        const std::vector<glm::u8vec3> bytes(blended.back().begin(), blended.back().end());
+        writePng(fmt::format("{}-{:02}.png", film, i), int(question.size.x), int(question.size.y), bytes);
+    }
+    return {jumpsOf(truth, mask), jumpsOf(stays, mask), jumpsOf(layers, mask), jumpsOf(blended, mask)};
+}
+
 std::string arrivals(const gpu::Device& device, const CostModel& costs, const LayersQuestion& question,
                      const Case& one) {
     std::string out = "\n| camera | true pictures | old ones stay | 4 layers | blended in |\n|---|---|---|---|---|\n";
     for (const Path& path : kSlowPaths) {
         Stage stage(device, one, question.ticks, costs);
-        const DisplaySettings display = displayOf(stage.scene().render);
-        const glm::vec3 target = stage.scene().camera.target;
-        const auto shown = [&](const RadianceImage& picture) {
-            const std::vector<glm::u8vec3> bytes = displayed(picture, display);
-            return Shown(bytes.begin(), bytes.end());
-        };
-        std::vector<Shown> truth, stays, layers, blended;
-        std::vector<uint8_t> mask;
-        LayeredPicture before, newest;
-        Pose made;
-        for (uint32_t i = 0; i < kShown; ++i) {
-            const Pose now = along(path, stage.pose(), target, float(i) / 60);
-            const uint32_t age = i % kArrivesEvery;
-            if (age == 0) {
-                made = now;
-                before = std::move(newest);
-                newest = layeredView(stage, wider(now, question), widerSize(question), kLayersOfPage, question.quality)
-                             .picture;
-            }
-            const RadianceImage there = stage.picture(now, question.size);
-            if (mask.empty()) mask = mediumMask(there);
-            truth.push_back(shown(there));
-            stays.push_back(shown(redrawn(distant(newest), made, question.size)));
-            layers.push_back(shown(redrawn(newest, now, question.size)));
-            blended.push_back(layers.back());
-            const float part = std::min(float(age) / kBlended, 1.0f);
-            if (before.picture.empty() || part >= 1) continue;
-            const Shown old = shown(redrawn(before, now, question.size));
-            for (size_t p = 0; p < old.size(); ++p) blended.back()[p] = glm::mix(old[p], layers.back()[p], part);
-        }
+        std::string film;
+        if (!question.pictures.empty())
+            film = (std::filesystem::path(question.pictures) / (one.scene + (path.around > 0 ? "-orbit" : "-walk")))
+                       .string();
+        const Jumps jumps = arrivalJumps(stage, question, path, film);
         out += fmt::format("| {} |", path.name);
-        for (const auto* film : {&truth, &stays, &layers, &blended}) out += text(jumps(*film, mask));
+        for (const auto* kind : {&jumps.truth, &jumps.stays, &jumps.layers, &jumps.blended}) out += text(*kind);
         out += '\n';
-        if (question.pictures.empty()) continue;
-        for (uint32_t i = 0; i < kShown; ++i) {
-            const std::vector<glm::u8vec3> bytes(blended[i].begin(), blended[i].end());
-            writePng(std::filesystem::path(question.pictures) /
-                         fmt::format("{}-{}-{:02}.png", one.scene, path.around > 0 ? "orbit" : "walk", i),
-                     int(question.size.x), int(question.size.y), bytes);
-        }
     }
     return out;
 }

@@ -1,12 +1,14 @@
 // Decides when pictures are redrawn from layers with depth though nobody asked: while the server gives few pictures or
 // late ones. It has no clock: callers pass the time.
+import { hasParts } from './protocol';
 import type { DepthLayers } from './protocol';
 
 const FEW = 30; // pictures a second, below which a moving camera is seen to step
 const LATE_MS = 50; // from input to picture, above which the picture is felt to lag behind
 const STEADY_MS = 3000; // for which that has to last
-const MISSING_MS = 8000; // without layers, though asked for: shaders are compiled within this time
+const MISSING_MS = 8000; // for which pictures come without layers: shaders are compiled within this time
 const LOOK_MS = 250; // between two looks
+const GAP_MS = 1000; // without looks, after which those before say nothing: the page was hidden
 
 export interface AutoLayersHost {
   // How pictures come. `rate`: a second; undefined while the server has no reason to send them. `latencyMs`: from input
@@ -21,16 +23,24 @@ export class AutoLayers {
   private useless = false; // true: this browser or this way of rendering has none
   private lookedAt = -Infinity; // ms
   private slowSince: number | undefined; // ms
-  private cameAt = 0; // ms, when layers last came, or were first asked for
+  private missingSince: number | undefined; // ms, when a picture came without the layers that were asked for
+  private scene: string | undefined;
   private method: string | undefined;
 
   constructor(private readonly host: AutoLayersHost) {}
 
-  // Another connection, or another choice: nothing is known.
+  // Another choice: nothing is known.
   begin(): void {
     if (this.taken) this.host.use(false);
     this.taken = this.useless = false;
-    this.slowSince = undefined;
+    this.slowSince = this.missingSince = undefined;
+  }
+
+  // Another connection. In the same scene what was decided stays.
+  connect(scene: string): void {
+    if (scene !== this.scene) this.begin();
+    this.scene = scene;
+    this.slowSince = this.missingSince = undefined;
   }
 
   // What is rendered with now: another method may have layers, or none.
@@ -43,6 +53,7 @@ export class AutoLayers {
   // To be called once per animation frame.
   look(now: number): void {
     if (this.taken || this.useless || now - this.lookedAt < LOOK_MS) return;
+    if (now - this.lookedAt > GAP_MS) this.slowSince = undefined;
     this.lookedAt = now;
     const { rate, latencyMs } = this.host.pace(now);
     const slow = rate !== undefined && (rate < FEW || latencyMs > LATE_MS);
@@ -50,14 +61,14 @@ export class AutoLayers {
     if (this.slowSince === undefined || now - this.slowSince < STEADY_MS) return;
     this.taken = this.host.use(true);
     this.useless = !this.taken;
-    this.cameAt = now;
+    this.missingSince = undefined;
   }
 
-  // A picture came.
+  // A picture came for which layers were asked.
   came(layers: readonly DepthLayers[] | undefined, now: number): void {
     if (!this.taken) return;
-    if (layers?.some(({ count, surface }) => count > 0 || surface.length > 0)) this.cameAt = now;
-    if (now - this.cameAt <= MISSING_MS) return;
+    this.missingSince = layers?.some(hasParts) ? undefined : (this.missingSince ?? now);
+    if (this.missingSince === undefined || now - this.missingSince <= MISSING_MS) return;
     this.begin();
     this.useless = true;
   }

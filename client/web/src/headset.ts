@@ -6,6 +6,7 @@ import { add, length, orientation, scale, subtract } from './camera';
 import type { LayerBitmaps, Surface } from './picture';
 import { conjugate, covering, fromProjection, multiply, rotate, shaped, together, warp, widened } from './projection';
 import type { View } from './projection';
+import { hasParts } from './protocol';
 import type { Command, Frame, Quat, Vec3 } from './protocol';
 import { Fade } from './fade';
 import { Hands } from './headset-hands';
@@ -176,19 +177,23 @@ export class Headset implements Surface {
   show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
     const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
     const before = this.layered;
-    this.layered = this.redraw !== undefined && told !== undefined && of !== undefined;
+    this.layered = this.redraw !== undefined && told !== undefined && hasParts(told) && of !== undefined;
     if (this.layered && picture && of && told) this.redraw?.take(picture, of, told, viewOf(frame, 0, 0));
     this.fade.begin(before && this.layered, performance.now());
-    const empty = told !== undefined && told.count === 0 && told.surface.length === 0;
-    if (this.redraw && empty && this.mode === 'vr') {
-      this.redraw = undefined;
-      this.events.asksForBoth();
-    }
+    if (this.redraw && told && !hasParts(told)) this.doWithout();
     if (this.warp && bitmaps.length === this.views) {
       this.warp.upload(bitmaps);
       this.frame = frame;
     }
     for (const bitmap of bitmaps) bitmap.close();
+  }
+
+  // This way of rendering has no layers.
+  private doWithout(): void {
+    if (this.mode === 'ar')
+      return this.end('This way of rendering cannot be seen through: the headset’s session has ended.');
+    this.redraw = undefined;
+    this.events.asksForBoth();
   }
 
   private readonly lose = (): void => {

@@ -152,6 +152,9 @@ export interface DepthLayers {
   surface: Uint8Array<ArrayBuffer>; // grey PNG; empty where there is nothing but sky
 }
 
+// True: there is something to redraw a picture from. False: the way of rendering or the medium has no layers.
+export const hasParts = ({ count, surface }: DepthLayers): boolean => count > 0 || surface.length > 0;
+
 export interface Frame {
   kind: 'frame';
   id: number;

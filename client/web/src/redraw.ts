@@ -13,7 +13,6 @@ import { APART, DRAW, EVERYWHERE, QUAD, REST, SPLINE } from './redraw-shaders';
 import { TakenPicture } from './taken-picture';
 import type { Texture } from './taken-picture';
 
-const MOST_LAYERS = 8;
 export class Redraw {
   private readonly spline: WebGLProgram;
   private readonly everywhere: WebGLProgram;
@@ -57,18 +56,13 @@ export class Redraw {
     return this.drawTaken(this.before, shown, to);
   }
 
-  // The picture before the newest is not drawn any more.
-  forgetBefore(): void {
-    this.before.forget();
-  }
-
   private takeApart(taken: TakenPicture, { count, columns, rows, surface }: DepthLayers): void {
     const { gl } = this;
     const { width, height } = taken;
     const sky = count > 0 && surface.length === 0;
     const blocks = count + (sky ? 1 : 0);
     const coefficients = taken.target('coefficients', columns || 1, rows * blocks || 1);
-    const layers = taken.target('layers', width, height, { deep: MOST_LAYERS + 1 });
+    const layers = taken.target('layers', width, height, { deep: count + 1 });
     if (blocks > 0) {
       this.use(taken, this.spline, { colours: taken.picture('colours'), data: taken.picture('data') });
       this.pass([coefficients]);
@@ -107,7 +101,7 @@ export class Redraw {
     const program = this.use(taken, this.drawn, {
       data: taken.picture('data'),
       surface: taken.picture('surface'),
-      layers: taken.target('layers', width, height, { deep: MOST_LAYERS + 1 }),
+      layers: taken.target('layers', width, height, { deep: layers.count + 1 }),
       behind: taken.target('behind', width, height),
       factor: taken.target('factor', width, height),
     });

@@ -31,15 +31,11 @@ export class TakenPicture {
     for (const name of ['colours', 'data', 'surface'] as const) this.upload(name, bitmaps[name]);
   }
 
-  forget(): void {
-    this.layers = this.made = undefined;
-  }
-
   // A texture of numbers with fractions, to be drawn into.
   target(name: string, width: number, height: number, { levels = 1, deep = 0 } = {}): Texture {
     const { gl } = this;
     const known = this.targets.get(name);
-    if (known && known.width === width && known.height === height) return known;
+    if (known && known.width === width && known.height === height && known.deep === deep) return known;
     if (known) gl.deleteTexture(known.texture);
     const texture = gl.createTexture();
     const kind = deep ? gl.TEXTURE_2D_ARRAY : gl.TEXTURE_2D;

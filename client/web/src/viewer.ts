@@ -324,7 +324,7 @@ export class Viewer {
     }
     this.welcome = greeting;
     this.autoSize.begin(defaultCap(greeting.device));
-    this.autoLayers.begin();
+    this.autoLayers.connect(greeting.scene);
     this.poses.reset();
     this.statistics.reset();
     this.picture.clear();
@@ -345,7 +345,7 @@ export class Viewer {
       case 'frame':
         this.picture.show(message);
         this.followSpeed(message);
-        this.autoLayers.came(message.layers, performance.now());
+        if (this.viewing.asksForLayers) this.autoLayers.came(message.layers, performance.now());
         break;
       case 'scene':
         this.autoLayers.follow(message.plan?.method);

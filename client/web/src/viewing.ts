@@ -8,6 +8,7 @@ import type { LayerBitmaps, Surface } from './picture';
 import type { Seen } from './live';
 import { rotate, shaped, symmetric, warp, widened } from './projection';
 import type { View } from './projection';
+import { hasParts } from './protocol';
 import type { Frame, PoseMessage, Vec3 } from './protocol';
 import { coverBy } from './program';
 import type { Area } from './program';
@@ -126,14 +127,13 @@ export class Viewing implements Surface {
     return (!taken || this.hardware === true) && this.use(this.eyes, taken ? 'layers' : 'off');
   }
 
+  // Until the first picture for it the screen stays as it is.
   private use(eyes: Eyes, reprojection: Reprojection): boolean {
     const plain = eyes === 'one' && reprojection === 'off';
     if (!plain && !this.prepare()) return false;
     if (reprojection === 'layers' && !this.prepareLayers()) return false;
+    if (reprojection !== 'layers') this.dropLayers();
     [this.eyes, this.reprojection] = [eyes, reprojection];
-    this.frame = undefined;
-    this.redraw?.forgetBefore();
-    this.warped.hidden = plain || !this.warp;
     return true;
   }
 
@@ -150,7 +150,7 @@ export class Viewing implements Surface {
     const stereo = this.views === 2 ? { eyeSeparation: EYE_SEPARATION } : {};
     if (!this.grows) return { ...pose, ...stereo };
     const frustum = shaped(widened(symmetric(fovY, this.aspect()), MARGIN), size.width / size.height);
-    const layers = this.reprojection === 'layers' ? { layers: LAYERS } : {};
+    const layers = this.asksForLayers ? { layers: LAYERS } : {};
     return { ...pose, ...stereo, ...layers, frusta: this.views === 2 ? [frustum, frustum] : [frustum] };
   }
 
@@ -164,12 +164,14 @@ export class Viewing implements Surface {
   get redrawn(): Seen['redrawn'] {
     const told = this.frame?.layers?.[0];
     if (this.reprojection !== 'layers') return 'no';
-    if (told && told.count === 0 && told.surface.length === 0) return 'missing';
+    if (told && !hasParts(told)) return 'missing';
     return this.wished === 'auto' ? 'unasked' : 'yes';
   }
 
   show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
+    this.warped.hidden = !this.warp || (this.eyes === 'one' && this.reprojection === 'off');
     if (!this.warp || this.warped.hidden) {
+      this.frame = undefined;
       this.flat.show(bitmaps, frame);
       this.shown = { position: frame.position, orientation: frame.orientation, made: frame, part: 1 };
       return;
@@ -177,7 +179,7 @@ export class Viewing implements Surface {
     const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
     const before = this.layered;
     this.layered = false;
-    if (this.reprojection === 'layers' && this.redraw && picture && of && told) {
+    if (this.reprojection === 'layers' && this.redraw && picture && of && told && hasParts(told)) {
       this.redraw.take(picture, of, told, viewOf(frame, 0, EYE_SEPARATION));
       this.layered = true;
     }
@@ -232,6 +234,11 @@ export class Viewing implements Surface {
     this.warp?.draw(from, warp(viewOf(frame, from, EYE_SEPARATION), shown, depth), area);
   }
 
+  // True: pictures are asked for with layers.
+  get asksForLayers(): boolean {
+    return this.grows && this.reprojection === 'layers';
+  }
+
   // True: pictures have a margin that is seen when the camera turns. The legend of a view would lie in it.
   private get grows(): boolean {
     return this.warp !== undefined && this.reprojection !== 'off' && this.host.wishes.view === 'picture';
@@ -270,13 +277,19 @@ export class Viewing implements Surface {
     }
   }
 
+  // Their textures are large.
+  private dropLayers(): void {
+    this.redraw = undefined;
+    this.layered = false;
+  }
+
   // The context was lost, and what was in it; or is back.
   private renew(warp: Warp | undefined): void {
     this.warp = warp;
-    this.redraw = this.frame = undefined;
-    this.layered = false;
+    this.frame = undefined;
+    this.dropLayers();
     if (warp && this.reprojection === 'layers') this.prepareLayers();
-    this.warped.hidden = !warp || (this.eyes === 'one' && this.reprojection === 'off');
+    if (!warp) this.warped.hidden = true;
     this.host.again();
   }
 }

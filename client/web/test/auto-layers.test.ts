@@ -89,15 +89,39 @@ describe('automatic layers', () => {
     expect(session.layers.taken).toBe(true);
   });
 
-  test('begin anew with another connection', () => {
+  test('begin anew with another scene, and stay over a connection to the same one', () => {
     const session = new Session();
+    session.layers.connect('cloud');
     session.rate = 5;
     session.run(5 * SECOND, [some]);
-    session.layers.begin();
+    session.layers.connect('cloud'); // that taking them led to, where two pictures became one
+    expect(session.used).toEqual([true]);
+    session.layers.connect('plume');
     expect(session.layers.taken).toBe(false);
     session.rate = 60;
     session.run(10 * SECOND);
     expect(session.used).toEqual([true, false]);
+  });
+
+  test('outlast a time without pictures, and one picture without them', () => {
+    const session = new Session();
+    session.rate = 5;
+    session.run(5 * SECOND, [some]);
+    session.now += 60 * SECOND; // paused
+    session.run(SECOND, undefined); // another way is being compiled
+    session.run(10 * SECOND, [some]);
+    expect(session.used).toEqual([true]);
+  });
+
+  test('are not taken for what was slow before the page was hidden', () => {
+    const session = new Session();
+    session.rate = 5;
+    session.run(SECOND);
+    session.now += 60 * SECOND;
+    session.run(SECOND);
+    session.rate = 60;
+    session.run(10 * SECOND);
+    expect(session.used).toEqual([]);
   });
 });
 

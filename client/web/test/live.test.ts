@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { Steady, lack } from '../src/live';
+import { Steady, lack, liveText } from '../src/live';
 import type { Seen } from '../src/live';
 
 const whole: Seen = {
@@ -23,6 +23,18 @@ describe('what pictures lack', () => {
     expect(lack(whole)).toBeUndefined();
     expect(lack({ ...whole, frame: undefined })).toBeUndefined();
     expect(lack({ ...whole, frame: { width: 638, height: 358, quality: 40 } })).toBeUndefined();
+  });
+
+  test('is nothing where pictures are redrawn, which a word tells if nobody asked', () => {
+    for (const redrawn of ['yes', 'unasked'] as const) expect(lack({ ...whole, redrawn, rate: 5 })).toBeUndefined();
+    expect(lack({ ...whole, redrawn: 'no', rate: 5 })).toBe('5 pictures/s: the link is slow');
+    expect(lack({ ...whole, redrawn: 'yes', rate: 1 })).toBe('1 pictures/s: the link is slow');
+    expect(lack({ ...whole, redrawn: 'missing' })).toMatch(/^No layers with depth/);
+    expect(['yes', 'unasked', 'no'].map((one) => liveText(one as Seen['redrawn']))).toEqual([
+      'Live',
+      'Live, redrawn here between pictures',
+      'Live',
+    ]);
   });
 
   test('names who can resume', () => {
