@@ -181,7 +181,11 @@ describe('two eyes', () => {
       };
     }`;
     for (const query of ['', '?eyes=side']) {
-      const page = await openPage(t, browser, `${delay.url}/${query}`, { script });
+      // Small: software draws two eyes at each of the display's pictures.
+      const page = await openPage(t, browser, `${delay.url}/${query}`, {
+        script,
+        viewport: { width: 200, height: 112 },
+      });
       await connected(page);
       assert.equal(await page.evaluate(() => window.brume.reprojection), 'off');
       await until(page, 'layers come', (brume) => brume.reprojection === 'layers' && brume.lastFrame.layers > 0);

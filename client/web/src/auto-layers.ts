@@ -9,6 +9,8 @@ const STEADY_MS = 3000; // for which that has to last
 const MISSING_MS = 8000; // for which pictures come without layers: shaders are compiled within this time
 const LOOK_MS = 250; // between two looks
 const GAP_MS = 1000; // without looks, after which those before say nothing: the page was hidden
+const DRAWS_MS = 28; // mean time between pictures of the display, above which this machine is too slow for layers
+const NEWEST = 0.02; // weight of the newest picture in that mean
 
 export interface AutoLayersHost {
   // How pictures come. `rate`: a second; undefined while the server has no reason to send them. `latencyMs`: from input
@@ -26,6 +28,8 @@ export class AutoLayers {
   private missingSince: number | undefined; // ms, when a picture came without the layers that were asked for
   private scene: string | undefined;
   private method: string | undefined;
+  private drawnAt = -Infinity; // ms, the display's last picture
+  private drawsMs = 0; // between pictures of the display since layers were taken, a mean
 
   constructor(private readonly host: AutoLayersHost) {}
 
@@ -52,6 +56,8 @@ export class AutoLayers {
 
   // To be called once per animation frame.
   look(now: number): void {
+    if (this.taken) this.watch(now - this.drawnAt);
+    this.drawnAt = now;
     if (this.taken || this.useless || now - this.lookedAt < LOOK_MS) return;
     if (now - this.lookedAt > GAP_MS) this.slowSince = undefined;
     this.lookedAt = now;
@@ -62,6 +68,19 @@ export class AutoLayers {
     this.taken = this.host.use(true);
     this.useless = !this.taken;
     this.missingSince = undefined;
+    this.drawsMs = 0;
+  }
+
+  // Gives up where redrawing itself makes the display's pictures few.
+  private watch(betweenMs: number): void {
+    if (betweenMs > GAP_MS) return; // the page was hidden
+    this.drawsMs += (betweenMs - this.drawsMs) * NEWEST;
+    if (this.drawsMs > DRAWS_MS) this.giveUp();
+  }
+
+  private giveUp(): void {
+    this.begin();
+    this.useless = true;
   }
 
   // A picture came for which layers were asked.
@@ -69,7 +88,6 @@ export class AutoLayers {
     if (!this.taken) return;
     this.missingSince = layers?.some(hasParts) ? undefined : (this.missingSince ?? now);
     if (this.missingSince === undefined || now - this.missingSince <= MISSING_MS) return;
-    this.begin();
-    this.useless = true;
+    this.giveUp();
   }
 }

@@ -7,7 +7,7 @@ const SECOND = 1000;
 const some = { count: 4, surface: new Uint8Array() } as DepthLayers;
 const none = { count: 0, surface: new Uint8Array() } as DepthLayers;
 
-// A browser that looks at pictures four times a second.
+// A browser whose display has 62 pictures a second.
 class Session {
   rate: number | undefined = 60;
   latencyMs = 20;
@@ -23,7 +23,7 @@ class Session {
   });
 
   run(ms: number, came?: DepthLayers[]): void {
-    for (const end = this.now + ms; this.now < end; this.now += 250) {
+    for (const end = this.now + ms; this.now < end; this.now += 16) {
       this.layers.look(this.now);
       if (this.layers.taken) this.layers.came(came, this.now);
     }
@@ -111,6 +111,21 @@ describe('automatic layers', () => {
     session.run(SECOND, undefined); // another way is being compiled
     session.run(10 * SECOND, [some]);
     expect(session.used).toEqual([true]);
+  });
+
+  test.each([
+    ['draws them in time', 60, [true]],
+    ['is too slow for them', 25, [true, false]],
+  ])('stay only where this machine %s', (_, hertz, used) => {
+    const session = new Session();
+    session.rate = 5;
+    session.run(4 * SECOND, [some]);
+    const end = session.now + 20 * SECOND;
+    for (; session.now < end; session.now += 1000 / hertz) {
+      session.layers.look(session.now);
+      session.layers.came([some], session.now);
+    }
+    expect(session.used).toEqual(used);
   });
 
   test('are not taken for what was slow before the page was hidden', () => {
