@@ -12,8 +12,8 @@ from brume.layers import Layers
 
 try:
     from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
-                            Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set, SetParticles, SettingKind, Vec3,
-                            Welcome)
+                            Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set,
+                            SetParticles, SettingKind, Vec3, Welcome)
     from brume.wire import Frame as WireFrame
 except ImportError as error:
     raise ImportError('brume.wire is missing: build it with ./dev build and use build/release/python, or see '

@@ -170,7 +170,8 @@ class _Picture:
         for (colour, through), depths in zip(self.layers, self.depths):
             px, py = self._pixel(rays)
             for _ in range(MEETS):
-                depth = _at(depths, (px - self.told.first) / self.told.spacing, (py - self.told.first) / self.told.spacing)
+                node = ((at - self.told.first) / self.told.spacing for at in (px, py))
+                depth = _at(depths, *node)
                 px, py = self._pixel(origin + rays * (depth - origin[2])[..., None])
             shows = (depth <= surface)[..., None]
             light += numpy.where(shows, left * _at(colour, px - 0.5, py - 0.5), 0)

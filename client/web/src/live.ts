@@ -1,4 +1,5 @@
-// What the status line says while pictures come: "Live", or in what they are less than that, why, and who can change it.
+// What the status line says while pictures come: "Live", or in what they are less than that, why, and who can change
+// it.
 import type { Size } from './size';
 
 export interface Seen {

@@ -66,8 +66,8 @@ export const placeText = (camera: Camera, fov: number): [name: string, value: st
   ['fov', short(fov, 4)],
 ];
 
-// The camera that a viewer begins with, and the one it comes back to. A place that was named is that place, whatever the
-// window's shape.
+// The camera that a viewer begins with, and the one it comes back to. A place that was named is that place, whatever
+// the window's shape.
 export function firstCamera(place: Place, own: Own, aspect: number): { home: Camera; camera: Camera } {
   const home = placed(place, own);
   return { home, camera: place.position || place.target ? home : fitAspect(home, aspect) };
