@@ -20,7 +20,7 @@ constexpr size_t kSmooth = 3;
 // Weight of a mean over its squared transmittance. What is left of 1 goes to wider means.
 constexpr float kTold = 2;
 constexpr float kLeastLight = 1e-4f;  // exposed light of all layers below which they get no details
-constexpr uint32_t kSteps = 4;        // steps by which a ray finds where it meets a layer
+constexpr uint32_t kSteps = 2;        // steps by which a ray finds where it meets a layer
 constexpr float kSurfaceStep = 1;     // pixels between places where a ray is compared with surfaces
 constexpr uint32_t kMostSurface = 64; // places of a ray that are compared, at most
 constexpr float kSameSide = 0.9f;     // part of a surface's depth: one nearer than that is another surface

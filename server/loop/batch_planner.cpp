@@ -65,7 +65,7 @@ void BatchPlanner::takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, u
     for (const Schedule::DrawRequest& request : draw_requests_) ms += schedule_.predict(request.viewer, request.pixels);
     for (size_t i = 0; i < viewers.size(); ++i) {
         if (std::ranges::find(due_, viewers[i]) != due_.end()) continue;
-        const auto due = viewers[i]->pollDue(now, scene, false, most_pixels_[i], limits.layers_last / 2);
+        const auto due = viewers[i]->pollDue(now, scene, false, most_pixels_[i], limits.layers_last, 0.5f);
         if (!due) continue;
         ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));
         if (ms > limits.budget_ms) return;

@@ -162,7 +162,7 @@ double Viewer::wishedPixels() const {
 }
 
 std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
-                                           double most_pixels, Clock::duration layers_last) {
+                                           double most_pixels, Clock::duration layers_last, float part) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = this->step();
@@ -191,15 +191,15 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         return {};
     }
     layers_every_ = 1;
-    if (!still_picture && layers_last > Clock::duration{} && redraws(request)) {
-        if (now - made_at_ < layers_last) return {};
+    if (!still_picture && layers_last > Clock::duration{} && redraws(request, part)) {
+        if (now - made_at_ < layers_last * double(part)) return {};
         layers_every_ = uint32_t(layers_last / ticksLong(1));
     }
     if (!still_picture && step.every > 1 && now - made_at_ < ticksLong(step.every - 0.5)) return {};
     return request;
 }
 
-bool Viewer::redraws(const PoseRequest& request) const {
+bool Viewer::redraws(const PoseRequest& request, float part) const {
     if (!made_ || layers_reach_ == 0) return false;
     const Pose &made = made_->pose, &wanted = request.pose;
     PoseRequest there = request;
@@ -207,8 +207,8 @@ bool Viewer::redraws(const PoseRequest& request) const {
     const float half = tangentOf(wanted);
     const glm::quat turn = glm::inverse(made.orientation) * wanted.orientation;
     const float angle = 2 * std::asin(std::min(glm::length(glm::vec3(turn.x, turn.y, turn.z)), 1.0f));
-    return samePictures(*made_, there) && angle < kTurnedPart * half / (1 + half * half) &&
-           glm::distance(made.position, wanted.position) < layers_reach_ * std::min(half / kUsualTangent, 1.0f);
+    return samePictures(*made_, there) && angle < part * kTurnedPart * half / (1 + half * half) &&
+           glm::distance(made.position, wanted.position) < part * layers_reach_ * std::min(half / kUsualTangent, 1.0f);
 }
 
 PoseRequest Viewer::reducedBy(const QualityStep& step) const {

@@ -90,10 +90,10 @@ public:
     //   and PNG 150 ms later, over a link that does not queue. Each comes once. Who looks at errors gets more while
     //   something can be measured. Refinements have the size that was asked for, if `most_pixels` allows it.
     // - `layers_last`: for so long a picture with layers shows the medium right. Until then nothing is due of one that
-    //   the viewer can redraw: its camera has moved little.
+    //   the viewer can redraw: its camera has moved little. `part`: of both, below 1 for who may come early.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                        double most_pixels = std::numeric_limits<double>::infinity(),
-                                       Clock::duration layers_last = {});
+                                       Clock::duration layers_last = {}, float part = 1);
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
     double wishedPixels() const;
     // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
@@ -138,7 +138,8 @@ private:
     // Precondition of both: mutex_ is held.
     QualityStep step() const;
     PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
-    bool redraws(const PoseRequest& request) const;       // True: the viewer can redraw it from its last picture
+    // True: the viewer can redraw it from its last picture, within a part of what that tolerates.
+    bool redraws(const PoseRequest& request, float part) const;
 
     const uint32_t id_;
     mutable std::mutex mutex_;

@@ -11,7 +11,7 @@ SMOOTH = 8  # pixels, over which what is behind the layers is a mean at least
 TOLD = 2  # weight of such a mean, over its squared transmittance
 LEAST_SEEN = 0.3  # transmittance below which what is behind the layers is not told from the picture
 LEAST_LIGHT = 1e-4  # exposed light of all layers below which they get no details
-MEETS = 4  # steps by which a ray finds a layer
+MEETS = 2  # steps by which a ray finds a layer
 PLACES = 96  # of a ray that are compared with surfaces
 
 

@@ -207,7 +207,7 @@ void main() {
   for (int k = 0; k < count; ++k) {
     vec2 at = pixel_of(dir);
     float depth = 0.0;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 2; ++i) {
       depth = depth_at(k, at);
       at = pixel_of(from + dir * ((depth - from.z) / dir.z));
     }
