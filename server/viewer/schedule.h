@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -59,9 +60,9 @@ public:
     // tick with it.
     bool someoneWaits() const { return someone_waits_; }
 
-    // Predicted device time of a pixel, for as long as nothing was measured.
+    // Predicted device time of a pixel, for as long as nothing was measured. What is no number says nothing.
     void expect(double ms_per_pixel) {
-        if (ms_per_pixel_ == 0) ms_per_pixel_ = ms_per_pixel;
+        if (ms_per_pixel_ == 0 && std::isfinite(ms_per_pixel)) ms_per_pixel_ = ms_per_pixel;
     }
     // Viewers that are not among these have left: they take no part any more. `viewers`: ids, ascending.
     void stay(std::span<const uint32_t> viewers);
