@@ -1,7 +1,7 @@
 // Frusta of pictures, and homographies from one view to another. Uses no page and no WebGL.
 // Matrices are 3x3, columns first, as WebGL takes them.
 import { add, cross, dot, scale, subtract } from './camera';
-import type { Frustum, Quat, Vec3 } from './protocol';
+import type { Box, Frustum, Quat, Vec3 } from './protocol';
 
 export type Matrix3 = readonly number[]; // 9 numbers
 
@@ -117,4 +117,13 @@ export function apply(matrix: Matrix3, x: number, y: number): readonly [u: numbe
   const at = (row: number): number => (matrix[row] ?? 0) * x + (matrix[row + 3] ?? 0) * y + (matrix[row + 6] ?? 0);
   const w = at(2);
   return w > 0 ? [at(0) / w, at(1) / w] : undefined;
+}
+
+// View depth of a box's middle, m. Infinite within the box and where it is not ahead: there is no one depth.
+export function meanDepth(box: Box | undefined, { position, orientation }: Omit<View, 'frustum'>): number {
+  if (!box) return Infinity;
+  const { lo, hi } = box;
+  const within = ([0, 1, 2] as const).every((i) => position[i] >= lo[i] && position[i] <= hi[i]);
+  const depth = -rotate(conjugate(orientation), subtract(scale(add(lo, hi), 0.5), position))[2];
+  return within || depth <= 0 ? Infinity : depth;
 }

@@ -6,10 +6,10 @@ import { Fade } from './fade';
 import { flatSurface } from './picture';
 import type { LayerBitmaps, Surface } from './picture';
 import type { Seen } from './live';
-import { rotate, shaped, symmetric, warp, widened } from './projection';
+import { meanDepth, rotate, shaped, symmetric, warp, widened } from './projection';
 import type { View } from './projection';
 import { hasParts } from './protocol';
-import type { Frame, PoseMessage, Vec3 } from './protocol';
+import type { Frame, PoseMessage, SceneState, Vec3 } from './protocol';
 import { coverBy } from './program';
 import type { Area } from './program';
 import { Redraw } from './redraw';
@@ -67,6 +67,7 @@ export interface ViewingHost {
   readonly camera: Camera; // the newest
   readonly fovY: number;
   readonly cap: Size;
+  readonly scene: SceneState | undefined;
   readonly wishes: { readonly view: Made }; // drawn in the picture's place
   again(): void; // draws the newest picture once more: a graphics context was lost, or is back
 }
@@ -229,9 +230,11 @@ export class Viewing implements Surface {
 
   private drawFlat(frame: Frame, eye: number, shown: View, area: Area): void {
     const from = Math.min(eye, frame.jpeg.length - 1);
-    const moves = this.reprojection === 'plane' || this.reprojection === 'layers';
-    const depth = moves ? this.host.camera.distance : Infinity;
-    this.warp?.draw(from, warp(viewOf(frame, from, EYE_SEPARATION), shown, depth), area);
+    // Without layers all moves as the middle of the medium does.
+    const { camera, scene } = this.host;
+    const made = viewOf(frame, from, EYE_SEPARATION);
+    const depths = { plane: camera.distance, layers: meanDepth(scene?.box, made), off: Infinity, rotation: Infinity };
+    this.warp?.draw(from, warp(made, shown, depths[this.reprojection]), area);
   }
 
   // True: pictures are asked for with layers.

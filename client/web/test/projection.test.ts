@@ -8,6 +8,7 @@ import {
   conjugate,
   covering,
   fromProjection,
+  meanDepth,
   multiply,
   rotate,
   shaped,
@@ -149,6 +150,23 @@ describe('the angle between orientations', () => {
       expect(angleBetween(from, multiply(from, about([1, 5, 2], angle)))).toBeCloseTo(angle, 9);
     }
     expect(angleBetween([0, 0, 0, 1], [0, 0, 0, -1])).toBe(0);
+  });
+});
+
+describe('the mean depth of a box', () => {
+  const box = { lo: [-2, 0, -12] as Vec3, hi: [2, 4, -8] as Vec3 };
+  const ahead: Quat = [0, 0, 0, 1];
+
+  test('is that of its middle, along the axis of the view', () => {
+    expect(meanDepth(box, { position: [1, 1, 0], orientation: ahead })).toBeCloseTo(10);
+    const turned: Quat = [0, Math.sin(0.3), 0, Math.cos(0.3)];
+    expect(meanDepth(box, { position: [0, 2, 0], orientation: turned })).toBeCloseTo(10 * Math.cos(0.6));
+  });
+
+  test('is infinite within it, behind it, and where there is none', () => {
+    expect(meanDepth(box, { position: [0, 1, -9], orientation: ahead })).toBe(Infinity);
+    expect(meanDepth(box, { position: [0, 1, -20], orientation: ahead })).toBe(Infinity);
+    expect(meanDepth(undefined, { position: [0, 0, 0], orientation: ahead })).toBe(Infinity);
   });
 });
 
