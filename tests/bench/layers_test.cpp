@@ -15,18 +15,17 @@ class LayersTest : public OnDevice {};
 TEST_F(LayersTest, ASlowCameraSeesNoArrivals) {
     LayersQuestion question;
     question.size = {160, 90};
-    for (const char* scene : {"cloud", "props"})
-        for (const Path& path : {Path{"walks", 0.3f}, Path{"orbits", 0, 5}}) {
-            Case one;
-            one.scene = scene;
-            one.size = question.size;
-            Stage stage(device(), one, question.ticks);
-            const Jumps jumps = arrivalJumps(stage, question, path);
-            EXPECT_LT(largest(jumps.blended), 2.5 * largest(jumps.truth)) << scene << ' ' << path.name;
-            EXPECT_LT(largest(jumps.blended), 0.7 * largest(jumps.layers)) << scene << ' ' << path.name;
-            EXPECT_GT(largest(jumps.stays), 1.5 * largest(jumps.truth))
-                << scene << ' ' << path.name << ": old pictures do pop";
-        }
+    for (const auto& [scene, path] :
+         {std::pair{"cloud", Path{"walks", 0.3f}}, std::pair{"props", Path{"orbits", 0, 5}}}) {
+        Case one;
+        one.scene = scene;
+        one.size = question.size;
+        Stage stage(device(), one, question.ticks);
+        const Jumps jumps = arrivalJumps(stage, question, path);
+        EXPECT_LT(largest(jumps.blended), 2.5 * largest(jumps.truth)) << scene;
+        EXPECT_LT(largest(jumps.blended), 0.7 * largest(jumps.layers)) << scene;
+        EXPECT_GT(largest(jumps.stays), 1.5 * largest(jumps.truth)) << scene << ": old pictures do pop";
+    }
 }
 
 } // namespace
