@@ -85,6 +85,7 @@ runCtest() { # runCtest PRESET [CTEST ARGUMENT...]
     mkdir -p "$ctest_times"
     testEnvironment
     [[ $preset != asan ]] || export LSAN_OPTIONS="suppressions=$PWD/tests/asan.supp"
+    [[ $preset != tsan ]] || export TSAN_OPTIONS="suppressions=$PWD/tests/network/tsan.supp" # of the driver's
     ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" \
         --output-on-failure --no-tests=error --output-junit "$(mktemp "$PWD/$ctest_times/XXXXXX.xml")" "$@" \
         {lock_fd}>&-
