@@ -14,17 +14,17 @@ namespace brume::client {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr float kLeastSeen = 0.3f; // transmittance below which what is behind the layers is not told from the picture
-constexpr float kLeastLight = 1e-4f;
-constexpr float kSmooth = 8;        // pixels over which what is behind the layer is a mean, at least
-constexpr float kOneSurface = 1.1f; // most factor between depths of one surface
-constexpr int kPatches = 160;       // of what is behind the layers, in a row
-constexpr float kLeastDepth = 1e-3f;
+constexpr float kLeastSeen = 0.3f;   // transmittance below which the picture does not tell what is behind the layer
+constexpr float kLeastLight = 1e-4f; // light of layer and behind it together, below which neither has details
+constexpr float kSmooth = 8;         // pixels over which what is behind the layer is a mean, at least
+constexpr float kOneSurface = 1.1f;  // most factor between depths of one surface
+constexpr int kPatches = 160;        // patches of what is behind the layer, in a row
+constexpr float kLeastDepth = 1e-3f; // m, of what the eye can see
 
 // Both curves by table: every pixel of every picture needs them.
 struct Curves {
-    std::array<float, 256> linear;     // of sRGB bytes
-    std::array<float, 4097> displayed; // of light 0 ... 1
+    std::array<float, 256> linear;     // light of each sRGB byte
+    std::array<float, 4097> displayed; // sRGB of light in even steps from 0 to 1
 
     Curves() {
         for (size_t i = 0; i < linear.size(); ++i) {

@@ -23,7 +23,7 @@ struct Sheet {
     std::vector<uint8_t> colours;       // the same; what the sheet adds
     struct Corner {
         float x, y;  // pixels of the picture, from its upper left corner
-        float u, v;  // of the textures, 0 ... 1
+        float u, v;  // place in the textures, 0 ... 1
         float depth; // m, along the view axis; infinite: the sky
     };
     std::vector<Corner> corners; // four of each patch: upper left, upper right, lower left, lower right
@@ -39,7 +39,7 @@ public:
     // Nothing if the frame has not one view with one layer, or if that cannot be read.
     static std::optional<Sheets> of(const Received& message, JpegDecoder& decoder);
 
-    const std::array<Sheet, 2>& all() const { return sheets_; } // what is behind the layer, and the layer
+    const std::array<Sheet, 2>& all() const { return sheets_; } // first what is behind the layer
 
     // Where `eye`, which sees `width` / `height` = `aspect`, sees the corners of a sheet. A patch that is behind the
     // eye has four equal corners.

@@ -255,7 +255,7 @@ private:
     Wishes wishes_; // the size follows the window
     Link link_;
     JpegDecoder decoder_;
-    std::optional<Sheets> sheets_; // of the newest picture, if it has layers
+    std::optional<Sheets> sheets_; // the newest picture's, if it has layers
     CameraPath camera_;
     std::optional<Gestures> gestures_; // from the first welcome on
     Pose seen_;                        // camera of the picture that is shown

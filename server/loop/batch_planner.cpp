@@ -61,10 +61,15 @@ void BatchPlanner::addDue(const std::shared_ptr<Viewer>& viewer, const PoseReque
 void BatchPlanner::takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,
                              Clock::time_point now) {
     if (due_.empty() || limits.layers_last == Clock::duration{}) return;
+    size_t known = 0; // viewers who are due anyway come in the order of all
+    const size_t due_anyway = due_.size();
     double ms = 0;
     for (const Schedule::DrawRequest& request : draw_requests_) ms += schedule_.predict(request.viewer, request.pixels);
     for (size_t i = 0; i < viewers.size(); ++i) {
-        if (std::ranges::find(due_, viewers[i]) != due_.end()) continue;
+        if (known < due_anyway && due_[known] == viewers[i]) {
+            ++known;
+            continue;
+        }
         const auto due = viewers[i]->pollDue(now, scene, false, most_pixels_[i], limits.layers_last, 0.5f);
         if (!due) continue;
         ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));

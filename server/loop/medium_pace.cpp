@@ -6,11 +6,11 @@
 namespace brume {
 namespace {
 
-constexpr uint32_t kParticles = 256; // that are looked at
+constexpr uint32_t kParticles = 256; // particles that are looked at, at most
 constexpr uint64_t kTicksApart = 12;
 constexpr std::chrono::seconds kDisturbed{1};
-// Change that a picture tolerates, in parts of a particle's scale or extinction. With twice as much, pictures of a
-// plume that are redrawn err by a third more (docs/results/layers.md).
+// Change that a picture tolerates, in parts of a particle's scale or extinction. Of the shipped scenes `plume` and
+// `smoke-spots` change by that within a tick or two, the others by nothing.
 constexpr double kTolerated = 0.1;
 constexpr double kTurnTolerated = 0.01; // rad, of the sun's direction or a lamp's orbit
 

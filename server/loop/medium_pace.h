@@ -23,7 +23,7 @@ public:
     static constexpr std::chrono::milliseconds kLongest{200};
 
 private:
-    std::vector<gpu::Particle> before_, now_; // of an evenly chosen part, at two ticks
+    std::vector<gpu::Particle> before_, now_; // evenly chosen particles, at two ticks
     std::optional<uint64_t> tick_;            // of before_
     double change_ = 0;                       // of a particle in a second: RMS, in parts of its scale or extinction
     bool known_ = false;                      // True: change_ was found

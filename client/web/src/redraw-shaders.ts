@@ -1,5 +1,5 @@
 // The passes of redraw.ts: GLSL. Positions in pictures are pixels, right and down. Light is linear and exposed.
-const LEAST_COVER = 0.05; // what JPEG makes of a medium that is not there, of what is seen through
+const LEAST_COVER = 0.05; // alpha that JPEG's errors alone give where there is no medium
 const LEAST_SEEN = 0.3; // transmittance below which what is behind the layers is not told from the picture
 
 export const QUAD = `#version 300 es
