@@ -75,7 +75,9 @@ std::optional<Parsed> parse(std::span<const uint8_t> bytes) {
         input && (input->command_type() == Command::NONE || input->command_type() > Command::MAX))
         return {};
     const auto* frame = parsed.as<Frame>();
-    const bool whole = frame ? lengthsAddUp(*frame, parsed.jpeg.size()) : parsed.jpeg.empty();
+    const auto* lit = parsed.as<LitParticles>();
+    const bool whole =
+        frame ? lengthsAddUp(*frame, parsed.jpeg.size()) : parsed.jpeg.size() == (lit ? lit->bytes() : 0);
     return whole ? std::optional(std::move(parsed)) : std::nullopt;
 }
 

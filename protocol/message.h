@@ -20,7 +20,7 @@ inline constexpr uint32_t kLayerPictures = 3; // of a view: DepthLayers.bytes
 // A verified message. It points into the bytes that it was parsed from, or into its own copy.
 struct Parsed {
     const Message* message;
-    std::span<const uint8_t> jpeg;  // pictures of all views; empty unless the message is a frame
+    std::span<const uint8_t> jpeg;  // pictures of all views, or columns of LitParticles; empty of others
     std::vector<uint8_t> copy = {}; // of a FlatBuffer that was finished without its size: it begins aligned here
 
     Body type() const { return message->body_type(); }

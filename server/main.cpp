@@ -127,7 +127,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const bool alone = options.cluster.engine.servers.empty() && !replayed;
     Audience audience(facts, sceneFacts(scene, alone ? otherScenes(options) : std::vector<std::string>()),
                       options.max_viewers, options.max_in_flight);
-    audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner);
+    audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner, options.max_drawing_viewers);
     audience.keepPlaceForOperators(!options.net.token_key.empty());
     Metrics metrics;
     const std::unique_ptr<cluster::Node> node = nodeOf(options, scene, audience);

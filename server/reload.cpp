@@ -19,6 +19,7 @@ void takeLive(ServerOptions& to, const ServerOptions& from) {
     to.scene = from.scene;
     to.overrides = from.overrides;
     to.max_viewers = from.max_viewers;
+    to.max_drawing_viewers = from.max_drawing_viewers;
     to.max_viewers_per_owner = from.max_viewers_per_owner;
     to.frame.frame_ms = from.frame.frame_ms;
     to.log_level = from.log_level;
@@ -68,7 +69,7 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         } catch (const std::runtime_error& error) {
             spdlog::error("reload: new connections keep what held before: {}", error.what());
         }
-        running.audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner);
+        running.audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner, options.max_drawing_viewers);
         running.frames.setFrameBudget(options.frame.frame_ms);
     }
     spdlog::info("reload: {} setting{} changed", changes, changes == 1 ? "" : "s");

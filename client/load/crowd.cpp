@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "client/load/pusher.h"
+#include "client/native/lit_reader.h"
 #include "client/native/options.h"
 #include "protocol/net/address.h"
 
@@ -19,7 +20,9 @@ using client::nowUs;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr uint64_t kPoseEveryUs = 16'393;  // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
+constexpr uint64_t kPoseEveryUs = 16'393;        // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
+constexpr uint64_t kDrawerPoseEveryUs = 200'000; // of viewers who draw by themselves, as pages do
+constexpr double kTickUs = 1e6 / 60;
 constexpr uint64_t kLookEveryUs = 100'000; // period of the check for viewers that get no frames
 constexpr uint64_t kTryEveryUs = 250'000;  // wait of a viewer that found no server, before it tries all again
 constexpr size_t kMostNamed = 16;          // servers that goodbyes may name beside those of the options
@@ -45,7 +48,8 @@ struct Crowd::Viewer {
     size_t tries = 0;                    // connections that have ended since the last frame
     std::string key;                     // Granted::resume of the connection that was lost
     std::deque<uint64_t> unanswered;     // sending times (nowUs()) of poses that no frame has answered yet
-    float error = 0;                     // wire::Frame::measured of the last frame; 0: not known
+    client::LitReader lit;
+    float error = 0; // wire::Frame::measured of the last frame; 0: not known
 };
 
 Crowd::Crowd(const Options& options, std::vector<client::Endpoint> servers, uint32_t viewers,
@@ -206,9 +210,11 @@ void Crowd::talk(Viewer& viewer, uint64_t now) {
     if (now >= viewer.next_pose_us) {
         Pose next = pose();
         if (viewer.path.stereo) next.eye_separation = client::kEyeSeparation;
-        if (sendPose(viewer.session, next)) viewer.unanswered.push_back(now);
-        // 61 a second on average, without catching up on a time in which this program did not run.
-        viewer.next_pose_us = std::max(viewer.next_pose_us + kPoseEveryUs, now + kPoseEveryUs / 2);
+        const bool draws = options_.wishes.draw_hz > 0; // no message answers its poses
+        if (sendPose(viewer.session, next) && !draws) viewer.unanswered.push_back(now);
+        // So often on average, without catching up on a time in which this program did not run.
+        const uint64_t every = draws ? kDrawerPoseEveryUs : kPoseEveryUs;
+        viewer.next_pose_us = std::max(viewer.next_pose_us + every, now + every / 2);
     }
     if (now < viewer.pusher.nextUs()) return;
     if (const auto push = viewer.pusher.due(now, pose().position, viewer.camera)) {
@@ -221,6 +227,8 @@ void Crowd::listen(Viewer& viewer) {
     while (const auto message = viewer.session.next(milliseconds(0))) {
         if (message->as<wire::Frame>())
             take(viewer, *message);
+        else if (message->as<wire::LitParticles>())
+            takeLit(viewer, *message);
         else if (const auto* state = message->as<wire::SceneState>())
             agreement_.told(viewer.server, state->tick(), state->state_hash());
         else if (message->as<wire::Welcome>())
@@ -257,11 +265,8 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
                 fail(viewer, "a picture is broken: " + decoder_.error());
     const uint64_t shown = nowUs();
     viewer.session.acknowledge(frame.id());
-    viewer.heard_us = shown;
-    ++viewer.frames;
     viewer.error = frame.measured();
-    if (viewer.lost_us != 0 && run_) run_->returns.push_back({viewer.lost_us, shown});
-    viewer.lost_us = 0;
+    taken(viewer, message, shown);
     // The frame answers all poses up to its own, by the time in it: numbers begin anew with a connection, and the
     // first frames of a viewer that came back show a pose of the connection before.
     while (!viewer.unanswered.empty() && frame.client_time_us() >= viewer.unanswered.front()) {
@@ -269,9 +274,7 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
         viewer.unanswered.pop_front();
     }
     if (!run_) return;
-    ++run_->frames[viewer.number - 1];
     run_->ages_ms.push_back(float(shown - std::min(shown, frame.client_time_us())) * 1e-3f);
-    run_->bytes += message.size();
     const auto& stages = *frame.stages();
     ServerRun& server = counts(viewer);
     ++server.frames;
@@ -283,6 +286,39 @@ void Crowd::take(Viewer& viewer, const client::Received& message) {
     sums.encode += double(stages.encode());
     sums.queue += double(stages.queue());
     sums.decode += double(shown - decode_begin) * 1e-3;
+}
+
+// The medium of a viewer who draws by himself. Its age is the time since its tick, by the clock of the server: the
+// message that came with the least delay tells when that was, here.
+void Crowd::takeLit(Viewer& viewer, const client::Received& message) {
+    const auto& lit = *message.as<wire::LitParticles>();
+    agreement_.told(viewer.server, lit.tick(), lit.state_hash());
+    const uint64_t begin = nowUs();
+    const std::string why = options_.decode ? (viewer.lit.read(lit, message.parsed().jpeg) ? "" : viewer.lit.why())
+                                            : client::LitReader::problemOf(lit);
+    if (!why.empty()) fail(viewer, why);
+    const uint64_t shown = nowUs();
+    viewer.session.acknowledge(lit.id());
+    viewer.error = lit.measured();
+    taken(viewer, message, shown);
+    const double from = double(begin) - 1e3 * double(lit.age_ms()) - double(lit.tick()) * kTickUs;
+    if (!tick_us_ || from < *tick_us_) tick_us_ = from;
+    if (!run_) return;
+    run_->ages_ms.push_back(float((double(begin) - *tick_us_ - double(lit.tick()) * kTickUs) * 1e-3));
+    ServerRun& server = counts(viewer);
+    ++server.frames;
+    server.picture_ms.push_back(lit.age_ms());
+    run_->stages.decode += double(shown - begin) * 1e-3;
+}
+
+void Crowd::taken(Viewer& viewer, const client::Received& message, uint64_t now) {
+    viewer.heard_us = now;
+    ++viewer.frames;
+    if (viewer.lost_us != 0 && run_) run_->returns.push_back({viewer.lost_us, now});
+    viewer.lost_us = 0;
+    if (!run_) return;
+    ++run_->frames[viewer.number - 1];
+    run_->bytes += message.size();
 }
 
 void Crowd::fail(const Viewer& viewer, const std::string& why) const {

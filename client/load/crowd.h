@@ -46,6 +46,8 @@ private:
     bool sendPose(client::Session& session, Pose pose) const; // with layers, if they are asked for
     void listen(Viewer& viewer);
     void take(Viewer& viewer, const client::Received& message);
+    void takeLit(Viewer& viewer, const client::Received& message);
+    void taken(Viewer& viewer, const client::Received& message, uint64_t now);
     void welcome(Viewer& viewer);
     void refuse(const Viewer& viewer, const wire::Error& error);
     bool returns(const Viewer& viewer);
@@ -68,8 +70,9 @@ private:
     std::optional<client::Granted> granted_;
     Agreement agreement_;
     uint64_t next_look_us_ = 0;
-    uint64_t start_us_ = 0; // start of the cameras' paths
-    Run* run_ = nullptr;    // the counts of watch(), while it runs; otherwise null
+    uint64_t start_us_ = 0;         // start of the cameras' paths
+    std::optional<double> tick_us_; // when tick 0 was taken, by the message that came with the least delay
+    Run* run_ = nullptr;            // the counts of watch(), while it runs; otherwise null
 };
 
 } // namespace brume::load

@@ -70,7 +70,11 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
               "--layers", options.layers,
               "Layers with depth that every viewer asks for, in pictures a tenth wider and higher, as pages do"),
           0, 8);
-    app.add_flag("--decode", options.decode, "Decode the pictures too, as a real viewer does; costs CPU time here");
+    allow(app.add_option("--draw", options.wishes.draw_hz,
+                         "Viewers draw by themselves: they take so many lit particles a second in place of pictures"),
+          0, 60);
+    app.add_flag("--decode", options.decode,
+                 "Decode the pictures too, or unpack the particles, as a real viewer does; costs CPU time here");
     allow(app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
               ->capture_default_str(),
           0.0, 1000.0);

@@ -14,7 +14,7 @@
 
 namespace brume::load {
 
-inline constexpr uint32_t kMostViewers = 256;
+inline constexpr uint32_t kMostViewers = 1000;
 
 // How a viewer's camera moves, and with how many eyes.
 struct Path {
@@ -29,7 +29,7 @@ struct Options {
     std::vector<Path> paths{Path{}};                   // given to the viewers in turn
     client::Wishes wishes;
     uint8_t layers = 0;                        // with depth, that viewers ask for: they are to redraw pictures
-    bool decode = false;                       // true: the pictures are decoded too
+    bool decode = false;                       // true: the pictures are decoded too, and particles unpacked
     bool reconnect = false;                    // true: a viewer whose connection ends connects again
     std::vector<client::Endpoint> servers;     // running servers, all different; empty: one is started
     bool anywhere = false;                     // true: other machines may be loaded

@@ -126,10 +126,10 @@ Json jsonOf(const Run& run) {
 } // namespace
 
 std::string tableHead() {
-    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | kB/s each | "
+    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | age, ms: p95 | kB/s each | "
            "server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, %: predicted | "
            "measured, median | worst | load, cores | others, cores |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string tableLine(const Run& run) {
@@ -137,10 +137,10 @@ std::string tableLine(const Run& run) {
     std::string line = fmt::format("| {} |", run.viewers);
     for (const double value :
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
-          double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds, run.cpuMsPerFrame(),
-          1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered, cost.batches / run.seconds,
-          100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1), run.own_cpu_s / run.seconds,
-          (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
+          run.ageMs(0.95), double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds,
+          run.cpuMsPerFrame(), 1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered,
+          cost.batches / run.seconds, 100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1),
+          run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';
 }
@@ -153,10 +153,11 @@ std::string markdown(const Report& report, const Options& options) {
                     options.warm_up, report.machine);
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
-    out += "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
-           "a later one. Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
-           "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
-           "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
+    out +=
+        "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
+        "a later one. Age: of what a frame shows, from sending its pose; of lit particles from their tick. Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
+        "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
+        "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
     if (tellsServers(options)) out += "\n## Each server\n\n" + serversText(report.runs);
     if (!report.broken.empty()) out += "\n## What does not hold\n\n";
@@ -178,6 +179,7 @@ Json json(const Report& report, const Options& options) {
             {"size", {report.width, report.height}},
             {"paths", pathsOf(options)},
             {"layers", options.layers},
+            {"draw_hz", options.wishes.draw_hz},
             {"decode", options.decode},
             {"runs", std::move(runs)},
             {"broken", report.broken}};

@@ -11,6 +11,7 @@
 
 #include "client/native/jpeg.h"
 #include "client/native/link.h"
+#include "client/native/lit_reader.h"
 
 namespace brume::client {
 namespace {
@@ -23,8 +24,8 @@ constexpr milliseconds kBetweenTries{20}; // the most that Ctrl-C waits
 
 class Watch {
 public:
-    Watch(const Options& options, Interrupt& interrupt)
-        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
+    Watch(const Options& options, Interrupt& interrupt, Painter* painter)
+        : options_(options), interrupt_(interrupt), painter_(painter), recorder_(options.out, options.save),
           statistics_(options.servers.front().url()), link_(options, false) {}
 
     void run() {
@@ -56,6 +57,8 @@ private:
                 link_.check(statistics_.lastError());
             else if (message->as<wire::Frame>())
                 take(*session, *message);
+            else if (message->as<wire::LitParticles>())
+                paint(*session, *message);
             else if (message->as<wire::Welcome>())
                 welcome(session->granted());
             else if (message->as<wire::SceneState>())
@@ -140,8 +143,28 @@ private:
         recorder_.frame(message);
     }
 
+    // Draws what the server has lit, as the camera sees it now.
+    void paint(Session& session, const Received& message) {
+        const auto& lit = *message.as<wire::LitParticles>();
+        const lit::Rows* const rows = reader_.read(lit, message.parsed().jpeg);
+        if (!rows) throw std::runtime_error("the server sent " + reader_.why());
+        const uint64_t begin = nowUs();
+        const Pose pose = camera_.at(pathSeconds(begin));
+        painter_->take(lit, *rows);
+        painter_->draw(pose, options_.wishes.width, options_.wishes.height, picture_);
+        const uint64_t presented = nowUs();
+        session.acknowledge(lit.id());
+        link_.heard(presented);
+        statistics_.roundTrip(session.roundTripMs());
+        if (first_us_ == 0) first_us_ = presented;
+        statistics_.frame(recordOf(message, static_cast<float>(presented - begin) * 1e-3f, presented, pose, picture_));
+        recorder_.picture(picture_);
+    }
+
     const Options& options_;
     Interrupt& interrupt_;
+    Painter* const painter_; // null: pictures come from the server
+    LitReader reader_;
     Recorder recorder_; // first, so that a folder that cannot be written is told before anything is connected
     Statistics statistics_;
     Link link_;
@@ -159,6 +182,8 @@ private:
 
 } // namespace
 
-void runHeadless(const Options& options, Interrupt& interrupt) { Watch(options, interrupt).run(); }
+void runHeadless(const Options& options, Interrupt& interrupt, Painter* painter) {
+    Watch(options, interrupt, painter).run();
+}
 
 } // namespace brume::client

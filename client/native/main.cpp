@@ -1,7 +1,9 @@
 // brume-client: one viewer of a brume server, in a window or without one.
 #include <exception>
 #include <iostream>
+#include <optional>
 
+#include "client/native/drawn_scene.h"
 #include "client/native/headless.h"
 #include "client/native/interrupt.h"
 #include "client/native/options.h"
@@ -14,7 +16,10 @@ int main(int argc, char** argv) {
     if (!options) return exit_code;
     try {
         Interrupt interrupt;
-        options->headless ? runHeadless(*options, interrupt) : runWindow(*options, interrupt);
+        std::optional<DrawnScene> drawn;
+        if (options->draw) drawn.emplace();
+        Painter* const painter = drawn ? &*drawn : nullptr;
+        options->headless ? runHeadless(*options, interrupt, painter) : runWindow(*options, interrupt, painter);
         return 0;
     } catch (const std::exception& error) {
         std::cerr << "brume-client: " << error.what() << std::endl;

@@ -111,6 +111,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
     app.add_flag("--pause", options.pause, "Pause the scene, for everybody, before the first picture");
+    app.add_flag("--draw", options.draw,
+                 "Draw here, with this machine's Vulkan device, from particles that the server has lit");
     app.add_flag("--redraw", options.redraw,
                  "Redraw pictures in the window where its camera is by now, from a layer with depth");
     app.add_flag("--headless", options.headless, "No window");
@@ -136,6 +138,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
             server.ca = ca;
         }
         parseSize(size, options.wishes);
+        if (options.draw && (options.redraw || stereo || options.wishes.view != "picture"))
+            throw CLI::ValidationError("--draw", "is for plain pictures of one eye");
+        if (options.draw) options.wishes.draw_hz = kDrawHz;
         if (options.redraw && (options.headless || stereo))
             throw CLI::ValidationError("--redraw", "is for a window with one eye");
         options.wishes.views = stereo ? 2 : 1;

@@ -20,6 +20,7 @@ struct TimedImpulse {
 struct Options {
     std::vector<Endpoint> servers{{"127.0.0.1", 8080, "/ws"}}; // one at least; the next is tried when one is lost
     Wishes wishes;
+    bool draw = false;                // true: pictures are drawn here, from lit particles
     bool redraw = false;              // true: the window redraws pictures where its camera is by now
     bool headless = false;            // true: no window
     uint64_t frames = 0;              // stop after so many frames; 0: no limit
@@ -34,6 +35,7 @@ struct Options {
     bool pause = false;                 // true: pauses the scene, for everybody, before the first picture
 };
 
+constexpr uint8_t kDrawHz = 30;          // messages a second, of a client that draws
 constexpr float kEyeSeparation = 0.064f; // m, the mean of adults
 
 // Nothing if the program is to end: then `exit_code` is set and the text is printed (help, version, or one line that

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <png.h>
 
 #include "client/native/jpeg.h"
 
@@ -42,6 +43,18 @@ void Recorder::frame(const Received& message) {
         writeFile(folder_ / fmt::format("frame-{:05}{}.{}", next_, side, isPng(jpeg) ? "png" : "jpg"),
                   {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
     }
+    ++next_;
+}
+
+void Recorder::picture(const Picture& picture) {
+    if (folder_.empty() || !save_frames_) return;
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = uint32_t(picture.width), image.height = uint32_t(picture.height);
+    image.format = PNG_FORMAT_RGB;
+    const std::filesystem::path path = folder_ / fmt::format("frame-{:05}.png", next_);
+    if (!png_image_write_to_file(&image, path.c_str(), 0, picture.rgb.data(), 0, nullptr))
+        throw std::runtime_error("cannot write " + path.string() + ": " + image.message);
     ++next_;
 }
 

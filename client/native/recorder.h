@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "client/native/jpeg.h"
 #include "client/native/session.h"
 #include "client/native/statistics.h"
 
@@ -17,6 +18,8 @@ public:
     // Writes frame-00001.jpg and so on; for two views frame-00001-left.jpg and -right.jpg. Precondition: `message` is
     // a frame.
     void frame(const Received& message);
+    // Writes a picture that was drawn here, frame-00001.png and so on.
+    void picture(const Picture& picture);
     void statistics(const Statistics& statistics);
 
 private:

@@ -55,7 +55,7 @@ void Session::sayHello() {
         const auto client = b.CreateString("brume-client " BRUME_VERSION);
         const auto resume = resume_.empty() ? 0 : b.CreateString(resume_);
         return wire::CreateHello(b, client, wishes_.width, wishes_.height, wishes_.views, wishes_.quality, resume,
-                                 wishes_.lossless, wishes_.keep_size);
+                                 wishes_.lossless, wishes_.keep_size, wishes_.draw_hz);
     });
 }
 

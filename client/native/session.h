@@ -47,6 +47,7 @@ struct Wishes {                         // what a viewer asks for in its hello
     uint8_t quality = 0;                // JPEG, 0 = the server's
     bool lossless = true;               // true: a still picture comes once more, as PNG
     bool keep_size = false;             // true: pictures come more seldom, not smaller
+    uint8_t draw_hz = 0;                // above 0: lit particles, so many a second, in place of pictures
     std::string view = "picture";       // the view of how it is made, a name of view_names.h
 };
 

@@ -95,6 +95,22 @@ FrameRecord recordOf(const Received& message, float decode_ms, uint64_t presente
     return record;
 }
 
+FrameRecord recordOf(const Received& message, float draw_ms, uint64_t presented_us, const Pose& pose,
+                     const Picture& picture) {
+    const auto& lit = *message.as<wire::LitParticles>();
+    FrameRecord record;
+    record.id = lit.id();
+    record.tick = lit.tick();
+    record.state_hash = lit.state_hash();
+    record.presented_us = presented_us;
+    record.decode_ms = draw_ms;
+    record.bytes = uint32_t(message.size());
+    record.width = uint16_t(picture.width), record.height = uint16_t(picture.height);
+    record.position = pose.position, record.orientation = pose.orientation, record.fov_y = pose.fov_y;
+    record.error = lit.measured(), record.error_low = lit.measured_low(), record.error_high = lit.measured_high();
+    return record;
+}
+
 std::optional<float> percentile(std::vector<float> values, double fraction) {
     if (values.empty()) return {};
     const double rank = std::ceil(fraction * static_cast<double>(values.size()));

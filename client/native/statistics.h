@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "client/native/jpeg.h"
 #include "client/native/session.h"
 
 namespace brume::client {
@@ -36,6 +37,10 @@ struct FrameRecord {
 
 // Precondition: `message` is a frame.
 FrameRecord recordOf(const Received& message, float decode_ms, uint64_t presented_us);
+
+// The same of a picture that was drawn here. Precondition: `message` has lit particles.
+FrameRecord recordOf(const Received& message, float draw_ms, uint64_t presented_us, const Pose& pose,
+                     const Picture& picture);
 
 // The smallest value that at least `fraction` of the values do not exceed (nearest rank); nothing for no values.
 std::optional<float> percentile(std::vector<float> values, double fraction);

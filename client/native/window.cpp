@@ -14,6 +14,7 @@
 #include "client/native/gestures.h"
 #include "client/native/jpeg.h"
 #include "client/native/link.h"
+#include "client/native/lit_reader.h"
 #include "client/native/recorder.h"
 
 namespace brume::client {
@@ -34,8 +35,8 @@ constexpr float kWider = 1.1f; // factor on the sides of a picture that is redra
 
 class WindowedViewer {
 public:
-    WindowedViewer(const Options& options, Interrupt& interrupt)
-        : options_(options), interrupt_(interrupt), recorder_(options.out, options.save),
+    WindowedViewer(const Options& options, Interrupt& interrupt, Painter* painter)
+        : options_(options), interrupt_(interrupt), painter_(painter), recorder_(options.out, options.save),
           statistics_(options.servers.front().url()),
           display_("brume: connecting to " + options.servers.front().url(), options.wishes.width * options.wishes.views,
                    options.wishes.height),
@@ -67,7 +68,7 @@ private:
                 converse(*session, now);
             else
                 SDL_Delay(kLoopWait.count());
-            if (sheets_ && now >= next_redraw_us_) {
+            if ((sheets_ || lit_) && now >= next_redraw_us_) {
                 next_redraw_us_ = now + kRedrawEveryUs;
                 present();
             }
@@ -129,7 +130,10 @@ private:
                 if (!standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
             } else if (message->as<wire::Welcome>()) {
                 welcome(session.granted());
+            } else if (message->as<wire::LitParticles>()) {
+                takeLit(session, *message);
             } else if (message->as<wire::Frame>()) {
+                lit_ = false;
                 if (newest) statistics_.dropped();
                 newest = std::move(message);
             }
@@ -224,8 +228,45 @@ private:
         seen_.fov_y = record.fov_y;
     }
 
-    // The newest picture; with layers as the camera sees it now.
+    // Particles that the server has lit: they are drawn with the display's next picture.
+    void takeLit(Session& session, const Received& message) {
+        const auto& lit = *message.as<wire::LitParticles>();
+        const lit::Rows* const rows = reader_.read(lit, message.parsed().jpeg);
+        if (!rows) throw std::runtime_error("the server sent " + reader_.why());
+        painter_->take(lit, *rows);
+        lit_ = true;
+        sheets_.reset();
+        present();
+        const uint64_t presented = nowUs();
+        session.acknowledge(lit.id());
+        link_.heard(presented);
+        statistics_.frame(recordOf(message, drawn_ms_, presented, gestures_->pose(), picture_));
+        recorder_.picture(picture_);
+        if (first_us_ == 0) first_us_ = presented;
+        tick_ = lit.tick();
+    }
+
+    // What the particles look like from where the camera is.
+    void paint() {
+        const uint64_t begin = nowUs();
+        seen_ = gestures_->pose();
+        painter_->draw(seen_, wishes_.width, wishes_.height, picture_);
+        drawn_ms_ = static_cast<float>(nowUs() - begin) * 1e-3f;
+        display_.update(picture_.width, picture_.height, [&](uint8_t* pixels, int pitch) {
+            const uint8_t* from = picture_.rgb.data();
+            for (int y = 0; y < picture_.height; ++y)
+                for (int x = 0; x < picture_.width; ++x, from += 3) {
+                    uint8_t* const to = pixels + static_cast<ptrdiff_t>(y) * pitch + static_cast<ptrdiff_t>(4) * x;
+                    to[0] = from[2], to[1] = from[1], to[2] = from[0], to[3] = 255;
+                }
+            return true;
+        });
+        display_.present();
+    }
+
+    // The newest picture; with layers or particles as the camera sees it now.
     void present() {
+        if (lit_ && gestures_) return paint();
         if (!sheets_) return display_.present();
         display_.present(*sheets_, gestures_->pose());
         statistics_.redrawn();
@@ -239,6 +280,7 @@ private:
         std::string title = fmt::format("brume: {}, {:.1f} fps", scene_, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
         if (sheets_) title += ", redrawn";
+        if (lit_) title += fmt::format(", drawn here in {:.0f} ms", drawn_ms_);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
                              paused_ ? ", paused" : "");
         if (!standstill_.empty()) title = fmt::format("brume: {} stands still: {}", scene_, standstill_);
@@ -249,7 +291,12 @@ private:
 
     const Options& options_;
     Interrupt& interrupt_;
-    Recorder recorder_; // first, so that a folder that cannot be written is told before a window opens
+    Painter* const painter_; // null: pictures come from the server
+    LitReader reader_;
+    Picture picture_;    // drawn here
+    bool lit_ = false;   // true: what is shown is drawn here
+    float drawn_ms_ = 0; // time that the last one took
+    Recorder recorder_;  // first, so that a folder that cannot be written is told before a window opens
     Statistics statistics_;
     Display display_;
     Wishes wishes_; // the size follows the window
@@ -274,6 +321,8 @@ private:
 
 } // namespace
 
-void runWindow(const Options& options, Interrupt& interrupt) { WindowedViewer(options, interrupt).run(); }
+void runWindow(const Options& options, Interrupt& interrupt, Painter* painter) {
+    WindowedViewer(options, interrupt, painter).run();
+}
 
 } // namespace brume::client

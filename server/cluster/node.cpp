@@ -206,7 +206,7 @@ void Node::publishHere() {
     const auto hash = handover_.hashOf(*tick);
     if (!hash) return;
     const double load =
-        std::max(double(audience_.budget_used), audience_.size() / std::max(1.0, double(audience_.places())));
+        std::max(double(audience_.budget_used), audience_.withPictures() / std::max(1.0, double(audience_.places())));
     const bool takes = audience_.ready && !draining_ && load < 1;
     engine_.publish(pack(Here{own_.name(), *tick, *hash, options_.url, load, takes}));
 }

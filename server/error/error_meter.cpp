@@ -88,6 +88,15 @@ bool mayHaveEdge(const reference::Stage& stage, const reference::Camera& camera,
     return false;
 }
 
+// What a viewer draws by itself at a pixel's middle.
+glm::vec4 drawnBy(const lit::Medium& medium, const reference::Stage& stage, const reference::Camera& camera,
+                  glm::dvec2 corner) {
+    const reference::Ray ray = reference::rayThrough(camera, corner.x + 0.5, corner.y + 0.5);
+    const double far = std::min(ray.end, stage.lighting.obstacles().nearest(ray).t);
+    const lit::Seen seen = lit::along(medium, ray.origin, ray.direction, ray.begin, far);
+    return {glm::vec3(seen.radiance), float(seen.transmittance.x + seen.transmittance.y + seen.transmittance.z) / 3};
+}
+
 } // namespace
 
 bool DrawnWith::operator==(const DrawnWith& other) const {
@@ -219,7 +228,7 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
     const reference::Camera camera = reference::perspective(job.pose, int(job.size.x), int(job.size.y), kNearDepth);
     std::vector<uint32_t> order;
     for (uint32_t i = 0; i < job.pixels.size(); ++i)
-        if (job.values[i].a <= kEmpty || mix64(job.number + i) % kLookAnyway == 0) order.push_back(i);
+        if (job.lit || job.values[i].a <= kEmpty || mix64(job.number + i) % kLookAnyway == 0) order.push_back(i);
     std::ranges::shuffle(order, std::minstd_rand(uint32_t(job.number)));
     const double until = threadSeconds() + kMostOfJob;
     std::vector<PixelError> found;
@@ -235,7 +244,8 @@ void ErrorMeter::measure(const MeterJob& job, const std::stop_token& stop) {
         const bool edges = mayHaveEdge(stage, camera, corner);
         const reference::PixelResult pixel = reference::pixelOf(at, edges, structure, kShows);
         if (pixel.edge || pixel.transmittance >= kShows) continue;
-        found.push_back(comparedTo(pixel.centre, job.values[i], job.drawn));
+        const glm::vec4 value = job.lit ? drawnBy(*job.lit, stage, camera, corner) : job.values[i];
+        found.push_back(comparedTo(pixel.centre, value, job.drawn));
         if (job.keeps) discs.push_back(discOf(found.back(), job.pixels[i], job.size));
     }
     const std::scoped_lock lock(mutex_);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/camera.h"
+#include "common/lit_medium.h"
 #include "server/error/error_window.h"
 #include "server/sim/simulation.h"
 #include "shaders/shared/show.h"
@@ -41,10 +42,15 @@ struct MeterJob {
     std::vector<glm::uvec2> pixels; // positions of the pixels that are read back
     std::vector<glm::vec4> values;  // radiance and transmittance of each pixel: ProbeReading::values()
     bool drawn = false;             // ProbeReading::drawn
-    bool keeps = false;             // True: the error of each pixel is kept, for shown()
+    // What a viewer draws by itself, without ambient light, in place of `values`. Null: the server draws.
+    std::shared_ptr<const lit::Medium> lit;
+    bool keeps = false; // True: the error of each pixel is kept, for shown()
     // Set by the meter: the number of scenes before this one, and of jobs before this one.
     uint64_t epoch = 0, number = 0;
 };
+
+// RenderSettings::method of jobs whose viewers draw by themselves.
+inline constexpr const char* kDrawnByViewer = "viewer";
 
 class ErrorMeter {
 public:

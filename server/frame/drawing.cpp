@@ -57,7 +57,7 @@ Drawing::Drawing(ShownScene& shown, const gpu::Device& device, Audience& audienc
       pipelines_(device.pipelines(), [this](const std::string& text) { pipelineMade(text); }),
       renderer_(std::in_place, device, *shown.scene, boundedCapacity(*shown.scene, shown.simulation, options.memory)),
       planning_(shown, ways_, options), measuring_(shown, device, options), refinement_(options.refine_moving),
-      encoding_(metrics) {
+      lit_(device, metrics, measuring_, 1000 * options.lit_rate), encoding_(metrics) {
     ways_.setAll(!options.compiled_behind);
     ways_.clear(shown_.drawn);
     for (unsigned i = 0; i < std::max(options.batches, 2u); ++i) batches_.push_back(std::make_unique<Batch>(device));
@@ -120,12 +120,14 @@ void Drawing::showScene() {
 }
 
 void Drawing::wait(std::chrono::nanoseconds longest) {
+    if (lit_.isOnDevice()) return lit_.wait(longest, encoding_.workers());
     if (on_device_->submission.commands.wait(uint64_t(longest.count()))) done(*on_device_);
 }
 
 bool Drawing::isDue() const { return shown_.simulation.tick() != rendered_tick_ || batch_planner_.someoneWaits(); }
 
 void Drawing::draw() {
+    if (light()) return;
     if (Batch* batch = freeBatch(); batch && render(*batch)) on_device_ = batch;
 }
 
@@ -135,10 +137,31 @@ Batch* Drawing::freeBatch() {
     return nullptr; // the encoders are behind: newer poses replace older ones meanwhile
 }
 
+// Viewers who draw by themselves come first: their light takes little time, and pictures of the same tick need it, too.
+bool Drawing::light() {
+    const Clock::time_point now = Clock::now();
+    audience_.list(viewers_);
+    const bool any = std::ranges::any_of(viewers_, [](const auto& one) { return one->drawHz() > 0; });
+    bool submitted = false;
+    if (any && whyNotDrawable(shown_).empty() && lit_.isDue(viewers_, shown_, now)) {
+        const Planner& planner = planning_.planner();
+        const bool pictures = !planner.plan().passes.empty() && batch_planner_.activeViewers() > 0;
+        const PlanView own = ownView(*shown_.scene);
+        RenderSettings settings = pictures ? planner.plan().chosen.settings : planning_.settings({&own, 1}, now);
+        settings.exposure = shown_.simulation.now().render.exposure;
+        lit_.submit(*renderer_, shown_, settings, viewers_, now);
+        submitted = true;
+    }
+    viewers_.clear();
+    return submitted;
+}
+
 // False when nothing is on the device then.
 bool Drawing::render(Batch& batch) {
     batch.taken = Clock::now();
     audience_.list(viewers_);
+    if (whyNotDrawable(shown_).empty())
+        std::erase_if(viewers_, [](const auto& viewer) { return viewer->drawHz() > 0; });
     if (planning_.isLate(batch.taken)) ++shown_.version;    // also pictures at rest are drawn anew
     if (layers_wait_ && *layers_wait_ != ways_.version()) { // pictures at rest may have layers now
         layers_wait_.reset();

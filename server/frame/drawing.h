@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/frame/encoding.h"
+#include "server/frame/lit_stream.h"
 #include "server/frame/measuring.h"
 #include "server/frame/planning.h"
 #include "server/gpu/pipeline_cache.h"
@@ -34,8 +35,8 @@ public:
     MediumPace& pace() { return pace_; }
     CompiledWays& ways() { return ways_; }
 
-    // True: a batch is on the device.
-    bool isBusy() const { return on_device_ != nullptr; }
+    // True: a batch, or the light of a tick, is on the device.
+    bool isBusy() const { return on_device_ != nullptr || lit_.isOnDevice(); }
     // Waits at most so long for the batch on the device, and then has its pictures encoded. Precondition: isBusy().
     void wait(std::chrono::nanoseconds longest);
     // True: a picture would show something new, or somebody waits.
@@ -63,6 +64,7 @@ private:
     void pipelineMade(const std::string& text);
     Batch* freeBatch();
     bool render(Batch& batch);
+    bool light();
     bool renderOneShot(Batch& batch);
     void askForLayers(Batch& batch, const RenderSettings& settings);
     bool submit(Batch& batch, const RenderSettings& settings);
@@ -104,7 +106,8 @@ private:
     Refinement refinement_;
     double most_full_ms_ = 0; // largest predicted time of a batch with all due viewers, since tellLoad()
 
-    Encoding encoding_; // the last member: its threads use the batches
+    LitStream lit_;
+    Encoding encoding_; // the last member: its threads use the batches and lit_
 };
 
 } // namespace brume

@@ -16,6 +16,7 @@ public:
     // Batch::isFree().
     void take(Batch& batch);
 
+    EncodeWorkers& workers() { return workers_; }
     uint64_t bytes() const { return workers_.bytes(); }
     void giveBack() { workers_.giveBack(); }
 

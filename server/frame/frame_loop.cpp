@@ -227,6 +227,7 @@ void FrameLoop::report(Clock::time_point now) {
         told_.standstill = ticks_->standstill();
         if (told_.standstill) report->standstill = told_.standstill;
     }
+    report->not_drawable = whyNotDrawable(shown_);
     report->preparing = audience_.preparing();
     drawing_.report(*report);
     audience_.publish(report);

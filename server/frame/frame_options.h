@@ -24,6 +24,7 @@ struct FrameOptions {
     uint64_t memory = 1024ull << 20; // most bytes of particles, on the CPU and on the device together
     // Most bytes of picture buffers: half of it for the targets, half for the planes of all batches.
     uint64_t picture_memory = 1024ull << 20;
+    double lit_rate = 1000; // kB/s for a viewer who draws by itself, if an eighth of all messages is not more
     // True: FrameLoop::compiledWays() is filled by somebody, and what is not among them is not drawn.
     bool compiled_behind = false;
     uint64_t first_tick = 0; // of the state before the first tick

@@ -1,6 +1,7 @@
 // What the frame loop learns while it runs: the error of its pictures, of which it has some pixels read back for the
 // meter, and what passes cost.
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 #include <spdlog/spdlog.h>
@@ -39,7 +40,6 @@ void Measuring::before(Batch& batch, const Planner& planner, const CompiledWays&
 
 void Measuring::choose(Batch& batch, const Planner& planner, const CompiledWays& ways) {
     const RenderSettings& settings = batch.settings;
-    const Simulation& simulation = shown_.simulation;
     ProbeReading& probe = batch.submission.probe;
     probe.pixels.clear();
     if (!meter_.measures() || settings.scattering != "single") {
@@ -56,29 +56,75 @@ void Measuring::choose(Batch& batch, const Planner& planner, const CompiledWays&
     job->with = drawnWith(settings, eye);
     if (!ways.mayProbe(job->with.settings)) return meter_.drop(std::move(job));
     job->law = planner.predictedError(job->with.settings, {eye.pose, eye.width, eye.height});
-    job->scene = shown_.scene;
-    job->now = simulation.now();
-    leaveOut(job->now, shown_.drawn);
-    job->pose = eye.pose;
     job->keeps = eye.show == gpu::kShowError;
-    job->size = {eye.width, eye.height};
-    job->pixels.clear();
-    try {
-        job->particles.resize(simulation.liveCount());
-        simulation.write(job->particles);
-        glm::vec3 lo = job->pose.position - 1.0f, hi = lo + 2.0f; // around the eye: with fog any pixel may show it
-        const bool fog = std::ranges::any_of(job->now.lists.fogs, isThere);
-        if (!fog) boundsOf(job->particles, job->now.medium.falloff, lo, hi);
-        if (fog || !job->particles.empty()) job->pixels = pixelsOf(job->pose, job->size, lo, hi, job->number);
-        if (job->pixels.empty())
-            for (const BatchJob& one : batch.jobs)
-                if (one.pictures == of->pictures) one.viewer->cannotMeasure();
-    } catch (const std::bad_alloc&) { // where memory is short nothing is measured, and the picture is drawn
-    }
+    job->lit.reset();
+    if (!fill(*job, eye.pose, {eye.width, eye.height}))
+        for (const BatchJob& one : batch.jobs)
+            if (one.pictures == of->pictures) one.viewer->cannotMeasure();
     if (job->pixels.empty()) return meter_.drop(std::move(job));
     probe.eye = of->first_eye;
     probe.pixels = job->pixels;
     batch.measured = std::move(job);
+}
+
+// The scene as it is now, and pixels of a picture. False: none shows the medium.
+bool Measuring::fill(MeterJob& job, const Pose& pose, glm::uvec2 size) const {
+    const Simulation& simulation = shown_.simulation;
+    job.scene = shown_.scene;
+    job.now = simulation.now();
+    leaveOut(job.now, shown_.drawn);
+    job.pose = pose;
+    job.size = size;
+    job.pixels.clear();
+    try {
+        job.particles.resize(simulation.liveCount());
+        simulation.write(job.particles);
+        glm::vec3 lo = pose.position - 1.0f, hi = lo + 2.0f; // around the eye: with fog any pixel may show it
+        const bool fog = std::ranges::any_of(job.now.lists.fogs, isThere);
+        if (!fog) boundsOf(job.particles, job.now.medium.falloff, lo, hi);
+        if (fog || !job.particles.empty()) job.pixels = pixelsOf(pose, size, lo, hi, job.number);
+        return !job.pixels.empty();
+    } catch (const std::bad_alloc&) { // where memory is short nothing is measured, and the picture is drawn
+        return true;
+    }
+}
+
+std::unique_ptr<MeterJob> Measuring::beginLit(std::span<const Drawer> drawers, Clock::time_point now) {
+    if (!meter_.measures() || shown_.simulation.now().render.scattering != "single") return nullptr;
+    drawn_viewers_.clear();
+    for (const Drawer& one : drawers) drawn_viewers_.push_back(one.viewer);
+    std::unique_ptr<MeterJob> job = meter_.begin(drawn_viewers_, now);
+    if (!job) return nullptr;
+    const PoseRequest& request = *std::ranges::find(drawers, job->viewer, &Drawer::viewer)->request;
+    job->with = {shown_.simulation.now().render, shown_.simulation.settingsVersion()};
+    job->with.settings.method = kDrawnByViewer;
+    job->law = 0;
+    job->drawn = job->keeps = false;
+    fill(*job, eyePose(request.pose, 0, request.views), {request.width, request.height});
+    if (!job->pixels.empty()) return job;
+    meter_.drop(std::move(job));
+    return nullptr;
+}
+
+void Measuring::giveLit(std::unique_ptr<MeterJob> job, std::shared_ptr<const lit::Medium> medium) {
+    if (!medium) return meter_.drop(std::move(job));
+    job->lit = std::move(medium);
+    meter_.give(std::move(job));
+}
+
+MeasuredError Measuring::known(uint32_t viewer, const std::string& method) const {
+    const auto found = std::ranges::find_if(errors_, [&](const ViewError& one) {
+        return one.viewer == viewer && one.method == method && one.error.known();
+    });
+    if (found == errors_.end()) return {};
+    return {float(found->error.rmse), float(found->error.low), float(found->error.high)};
+}
+
+float Measuring::knownOfDrawers() const {
+    double squares = 0, count = 0;
+    for (const ViewError& one : errors_)
+        if (one.method == kDrawnByViewer && one.error.known()) squares += one.error.rmse * one.error.rmse, ++count;
+    return count > 0 ? float(std::sqrt(squares / count)) : 0;
 }
 
 DrawnWith Measuring::drawnWith(const RenderSettings& settings, const EyeRequest& eye) const {
@@ -121,11 +167,7 @@ void Measuring::after(Batch& batch, bool drawn) {
 void Measuring::tell(Batch& batch) const {
     for (BatchJob& job : batch.jobs) {
         const uint32_t viewer = batch.jobs[job.pictures].viewer->id();
-        const auto found = std::ranges::find_if(errors_, [&](const ViewError& one) {
-            return one.viewer == viewer && one.method == batch.settings.method && one.error.known();
-        });
-        if (found == errors_.end()) continue;
-        job.measured = {float(found->error.rmse), float(found->error.low), float(found->error.high)};
+        if (const MeasuredError error = known(viewer, batch.settings.method); error.rmse > 0) job.measured = error;
     }
 }
 

@@ -27,6 +27,18 @@ public:
     void before(Batch& batch, const Planner& planner, const CompiledWays& ways);
     // After it was drawn, or was not: takes those pixels.
     void after(Batch& batch, bool drawn);
+    // A job for one of the viewers who draw by themselves, if it is time; otherwise null.
+    struct Drawer {
+        uint32_t viewer;
+        const PoseRequest* request;
+    };
+    std::unique_ptr<MeterJob> beginLit(std::span<const Drawer> drawers, Clock::time_point now);
+    // Takes it with what they draw, on any thread. Null: the message was not made.
+    void giveLit(std::unique_ptr<MeterJob> job, std::shared_ptr<const lit::Medium> medium);
+    // What is known of a viewer's pictures by this method; all 0: nothing.
+    MeasuredError known(uint32_t viewer, const std::string& method) const;
+    // What is known of all who draw by themselves: the root of their mean square. 0: nothing.
+    float knownOfDrawers() const;
     // The times of a batch's passes, one by one: corrects the planner's costs by them from time to time.
     void learnCosts(const Batch& batch, std::span<const gpu::PassSample> samples, Planner& planner);
     // What was measured since the last call, to be called ten times a second: the planner hears it, and the log when a
@@ -38,6 +50,7 @@ public:
     std::span<const ViewError> errors() const { return errors_; } // of the last read()
 
 private:
+    bool fill(MeterJob& job, const Pose& pose, glm::uvec2 size) const;
     void choose(Batch& batch, const Planner& planner, const CompiledWays& ways);
     void show(Batch& batch);
     void tell(Batch& batch) const;

@@ -28,7 +28,7 @@ struct NetOptions {
     std::filesystem::path tls_certificate, tls_key; // PEM; empty: no TLS
 
     // Counts. The Audience limits viewers and their unacknowledged frames.
-    uint32_t max_connections = 256, max_connections_per_address = 128;
+    uint32_t max_connections = 1280, max_connections_per_address = 128;
     // At one time, each is also a viewer; one owner has three quarters (places.h).
     uint32_t max_streams = 8; // MJPEG
     uint32_t max_snapshots = 4;

@@ -176,6 +176,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
         const auto plan = packPlan(b, report);
         const auto lists = lists_for ? packElements(b, report.lists, *lists_for) : 0;
         const auto standstill = report.standstill.empty() ? 0 : packText(b, report.standstill);
+        const auto not_drawable = report.not_drawable.empty() ? 0 : packText(b, report.not_drawable);
         const auto preparing = report.preparing.empty() ? 0 : packText(b, report.preparing);
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
@@ -190,7 +191,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
             &to_light, &irradiance, number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
             number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method, quadrature,
             valueIn<uint32_t>(report, "render.isv.steps"), number("render.exposure"), packed_passes, plan,
-            packed_values, &lo, &hi, lists, standstill, preparing);
+            packed_values, &lo, &hi, lists, standstill, preparing, not_drawable);
     });
 }
 
@@ -220,6 +221,35 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
             request.pose.fov_y, request.width, request.height, request.quality, &stages, jpeg_bytes, frusta[0],
             frusta[1], frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse, frame.measured.low,
             frame.measured.high, wire::Reduced(request.reduced), packed_layers);
+    });
+}
+
+wire::Packed packLitHeader(const EncodedFrame& frame, float queue_ms) {
+    return wire::pack([&](Builder& b) {
+        const LitTick& lit = *frame.lit;
+        const lit::PackedRows& rows = frame.rows();
+        const gpu::Tick& scene = lit.scene;
+        std::vector<wire::Hue> hues;
+        for (const LitTick::Hue& hue : lit.hues) hues.emplace_back(hue.channels, hue.extinction);
+        const auto packed_hues = b.CreateVectorOfStructs(hues);
+        const float phase[] = {scene.phase.part, scene.phase.asymmetry, scene.phase.draine, scene.phase.second};
+        const auto packed_phase = b.CreateVector(phase, std::size(phase));
+        std::vector<wire::Object> objects;
+        for (const gpu::Opaque& o : lit.objects) {
+            objects.emplace_back(wire::ObjectKind(o.kind), toWire(o.centre), toWire(o.half_size),
+                                 std::atan2(o.yaw_sin, o.yaw_cos), toWire(o.albedo));
+        }
+        const auto packed_objects = objects.empty() ? 0 : b.CreateVectorOfStructs(objects);
+        const wire::Vec3 origin = toWire(lit.origin), to_light = toWire(scene.sun.to_light),
+                         irradiance = toWire(scene.sun.irradiance), ambient = toWire(scene.ambient),
+                         straight = toWire(scene.multiple.passed), zenith = toWire(scene.sky_zenith),
+                         horizon = toWire(scene.sky_horizon);
+        return wire::CreateLitParticles(
+            b, frame.id, lit.tick, lit.state_hash, lit.number, frame.lit_whole ? 0 : lit.reference, lit.first,
+            lit.count, rows.present, &origin, lit.step, scene.falloff, &to_light, &irradiance, packed_phase, &ambient,
+            packed_hues, &straight, scene.multiple.mean_cosine, &zenith, &horizon, scene.haze, lit.exposure, lit.filmic,
+            packed_objects, lit.predicted, frame.measured.rmse, frame.measured.low, frame.measured.high,
+            uint32_t(rows.bytes.size()), frame.render_ms + frame.encode_ms + queue_ms);
     });
 }
 

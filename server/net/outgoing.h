@@ -15,6 +15,8 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const ServerFacts* lists_for = nullptr);
 // A frame's message without its JPEG bytes, which follow it. `queue_ms`: time since the JPEG was ready.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
+// Header of a frame whose medium the viewer draws. Its rows' bytes follow.
+wire::Packed packLitHeader(const EncodedFrame& frame, float queue_ms);
 wire::Packed packError(wire::ErrorCode code, std::string_view text, uint32_t input_seq);
 // `go_to`: a URL, or empty.
 wire::Packed packGoodbye(std::string_view reason, float retry_after_s, std::string_view go_to = {});

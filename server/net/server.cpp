@@ -164,7 +164,7 @@ asio::awaitable<void> NetServer::State::accept(tcp::acceptor& from, Serve serve_
 void NetServer::State::answerAgent(tcp::socket socket) const {
     const Audience& audience = shared.audience;
     const std::string line = agentLine({audience.ready, shared.draining, !audience.report()->standstill.empty(),
-                                        audience.budget_used, audience.size(), audience.places()});
+                                        audience.budget_used, audience.withPictures(), audience.places()});
     error_code ignored;
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(line), ignored);

@@ -13,7 +13,8 @@ namespace brume::net {
 namespace {
 
 constexpr size_t kLongestKey = 64; // bytes of a key to resume with; further bytes are ignored
-constexpr int kMaxMalformed = 3;   // malformed messages until the connection is closed: it speaks another protocol
+constexpr uint8_t kMostDrawHz = 60;
+constexpr int kMaxMalformed = 3; // malformed messages until the connection is closed: it speaks another protocol
 // Refusals a second, and in a burst. A viewer with a bug is told of each; one that exceeds them is disconnected.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
 
@@ -106,12 +107,15 @@ void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Acti
         return refuse(wire::ErrorCode::out_of_range, "width and height must be at least 1", now, out);
     if (hello.views() < 1 || hello.views() > wire::kMaxViews)
         return refuse(wire::ErrorCode::out_of_range, "views must be 1 or 2", now, out);
+    if (hello.draw_hz() > kMostDrawHz)
+        return refuse(wire::ErrorCode::out_of_range, fmt::format("draw_hz must be 0 ... {}", kMostDrawHz), now, out);
     if (hello.quality() > 100) return refuse(wire::ErrorCode::out_of_range, "quality must be 0 ... 100", now, out);
 
     const PictureSize size = fitSize({hello.width(), hello.height()}, options_);
     granted_.width = size.width;
     granted_.height = size.height;
     granted_.views = hello.views();
+    granted_.draw_hz = hello.draw_hz();
     granted_.takes_png = hello.lossless();
     granted_.keeps_size = hello.keep_size();
     granted_.quality = hello.quality() == 0 ? options_.default_quality : hello.quality();

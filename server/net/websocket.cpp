@@ -204,10 +204,12 @@ asio::awaitable<void> WebSocketSession::write() {
 // The header is packed here; the JPEG bytes are sent from where the encoder wrote them.
 asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const float queue_ms = millisecondsSince(frame->encoded);
-    const wire::Packed header = packFrameHeader(*frame, queue_ms);
+    const wire::Packed header = frame->lit ? packLitHeader(*frame, queue_ms) : packFrameHeader(*frame, queue_ms);
     Parts parts{asio::buffer(header.data(), header.size())};
     size_t next = 1;
-    for (uint32_t view = 0; view < frame->request.views; ++view) parts[next++] = asio::buffer(*frame->jpeg[view]);
+    if (frame->lit) parts[next++] = asio::buffer(frame->rows().bytes);
+    for (uint32_t view = 0; !frame->lit && view < frame->request.views; ++view)
+        parts[next++] = asio::buffer(*frame->jpeg[view]);
     for (const LayersPtr& layers : frame->layers) {
         if (!layers) continue;
         for (const auto* picture : {&layers->colours, &layers->data, &layers->surface})
@@ -300,7 +302,8 @@ void WebSocketSession::admit(const Admit& hello) {
                                             {.owner = ownerOf(authorization_, slot_->network()),
                                              .is_operator = authorization_.role >= Role::operator_,
                                              .key = hello.resume,
-                                             .token = authorization_.name});
+                                             .token = authorization_.name,
+                                             .draws = hello.granted.draw_hz > 0});
     handle_ = std::move(handle);
     if (!handle_) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));

@@ -4,7 +4,13 @@ namespace brume {
 
 void addLimitOptions(OptionTable& table, ServerOptions& o) {
     OptionGroup g(table, "Limits");
-    g.option("--max-viewers", o.max_viewers, "MJPEG streams and snapshots count").range(1, 1000).live();
+    g.option("--max-viewers", o.max_viewers, "who get pictures; MJPEG streams and snapshots count")
+        .range(1, 1000)
+        .live();
+    g.option("--max-drawing-viewers", o.max_drawing_viewers,
+             "besides them: who draws by himself; three quarters for one address or token name")
+        .range(0, 10'000)
+        .live();
     g.option("--max-viewers-per-address", o.max_viewers_per_owner, "and with tokens of each name in them")
         .range(1, 1000)
         .live();
@@ -29,6 +35,9 @@ void addLimitOptions(OptionTable& table, ServerOptions& o) {
              "snapshots at a time; three quarters for one address or token name")
         .range(0, 1000)
         .live();
+    g.option("--lit-rate", o.frame.lit_rate,
+             "kB/s of lit particles for a viewer who draws by himself; an eighth of all messages comes in any case")
+        .range(10.0, 100'000.0);
     g.option("--max-pixels", o.net.max_pixels, "of one picture; a larger wish is scaled down")
         .range(256, 8192 * 8192)
         .live();

@@ -24,6 +24,7 @@ struct ServerOptions {
     bool open = false;               // True: serves other machines without a key
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
+    uint32_t max_drawing_viewers = 1000;
     uint32_t max_viewers_per_owner = 24; // of one address, or one token's name
     gpu::DeviceOptions device;
     FrameOptions frame;

@@ -30,9 +30,8 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
 
 Renderer::~Renderer() = default;
 
-// The frame, pass by pass.
-void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes,
-                      const RenderSettings* settings, bool full) {
+// Takes the scene as it is now.
+void Renderer::begin(const Simulation& simulation, const RenderSettings* settings) {
     countLightWork();
     now_ = simulation.now();
     tick_number_ = simulation.tick();
@@ -41,6 +40,27 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     features_ = besides_ | featuresOf(scene_, now_, lists_.value_or(SceneFeatures()));
     hues_ = huesOf(now_, simulation.liveCount());
     objects_.follow(scene_, now_.lists);
+}
+
+EffectInputs Renderer::effectInputs(const Simulation& simulation, std::span<const EyeRequest> eyes,
+                                    const MethodNeeds& needs) {
+    return {.simulation = simulation,
+            .now = now_,
+            .eyes = eyes,
+            .objects = objects_.all(),
+            .particles = upload_.list(),
+            .extent = upload_.extent(),
+            .needs = needs,
+            .hues = uint32_t(hues_.size()),
+            .moved = upload_.moved(),
+            .all = upload_.all(),
+            .seen = upload_.seenBy(eyes.size())};
+}
+
+// The frame, pass by pass.
+void Renderer::submit(Submission& s, const Simulation& simulation, std::span<const EyeRequest> eyes,
+                      const RenderSettings* settings, bool full) {
+    begin(simulation, settings);
     Method& method = methodFor(now_.render);
     const MethodNeeds needs = method.needs();
     if (needs.one_medium || needs.union_path) now_.render.merge = 0;
@@ -55,17 +75,7 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     gatherTick();
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks, hues_, shared_.resources);
-    EffectInputs in{.simulation = simulation,
-                    .now = now_,
-                    .eyes = eyes,
-                    .objects = objects_.all(),
-                    .particles = upload_.list(),
-                    .extent = upload_.extent(),
-                    .needs = needs,
-                    .hues = uint32_t(hues_.size()),
-                    .moved = upload_.moved(),
-                    .all = upload_.all(),
-                    .seen = upload_.seenBy(eyes.size())};
+    EffectInputs in = effectInputs(simulation, eyes, needs);
     for (const auto& effect : effects_) effect->prepare(in, shared_);
 
     targets_.makeRoom(drawsCoarsely() ? eyes : drawn_);

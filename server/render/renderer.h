@@ -22,6 +22,7 @@
 #include "server/render/probe.h"
 #include "server/render/targets.h"
 #include "server/render/tick_upload.h"
+#include "shaders/shared/particle_fit.h"
 
 namespace brume {
 
@@ -40,6 +41,19 @@ public:
     // comes first.
     std::span<const DepthLayersView> layers() const { return layers_; }
     uint64_t pictureBytes() const { return planes_.size(); }
+    // The light on particles that Renderer::submitLight() was asked for: those of the first hue, then of the next one.
+    // Precondition: commands.wait() was true.
+    struct Fits {
+        std::vector<gpu::Particle> particles; // in the simulation's order
+        std::vector<Hue> hues;
+        std::vector<std::span<const gpu::ParticleFit>> fits; // of each hue, a fit for each particle
+        std::vector<gpu::Opaque> objects;
+        gpu::Tick tick{};
+    };
+    const Fits& fits() {
+        if (fits_bytes_) fits_bytes_.invalidate();
+        return fits_;
+    }
     // Frees the memory of the pictures. Precondition: nobody reads them, and it is not on the device.
     void giveBack() {
         pictures_.clear();
@@ -55,6 +69,8 @@ private:
     gpu::Buffer particles_, uniforms_, planes_;
     std::vector<PictureView> pictures_;
     std::vector<DepthLayersView> layers_;
+    gpu::Buffer fits_bytes_;
+    Fits fits_;
 };
 
 class Renderer {
@@ -73,6 +89,10 @@ public:
     // Throws gpu::Error, for example when pictures do not fit the device's memory. Then destroy this renderer.
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
+
+    // The same for the light on all particles, and no picture. Precondition: there are fewer than kLargeMedium
+    // particles.
+    void submitLight(Submission& submission, const Simulation& simulation, const RenderSettings& settings);
 
     // From the next submission on: of the scene's lists only what shaders with these features draw.
     void drawOnly(const SceneFeatures& lists) { lists_ = lists; }
@@ -119,6 +139,8 @@ private:
     bool drawsCoarsely() const { return step_ > 1 && features_.opaque; }
     void placePictures(Submission& submission, std::span<const EyeRequest> eyes, bool full);
     void takeLayers(Submission& submission, std::span<const ViewGroup> groups, std::span<const EyeRequest> eyes) const;
+    void begin(const Simulation& simulation, const RenderSettings* settings);
+    EffectInputs effectInputs(const Simulation& simulation, std::span<const EyeRequest> eyes, const MethodNeeds& needs);
     void gatherTick();
     void gatherEyes(const UniformBlocks& blocks, std::span<const EyeRequest> eyes);
     std::span<const ViewGroup> groupsOf(Method& method);
@@ -148,7 +170,7 @@ private:
     DrawnCells cells_;
     DepthLayers depth_layers_;
     gpu::Sampler nearest_;
-    gpu::Buffer planes_;
+    gpu::Buffer planes_, fits_;
     VkDeviceSize planes_bytes_ = 0; // of the present submission
     Targets targets_, coarse_targets_;
 

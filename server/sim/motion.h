@@ -47,6 +47,8 @@ public:
     virtual std::optional<glm::vec3> source() const { return {}; }
     // True: row i is the same particle in all ticks, and all rows live.
     virtual bool keepsPlaces() const { return false; }
+    // Id of the first living particle. The others' follow by one, and a particle keeps its own.
+    virtual uint64_t firstId() const { return 0; }
     // True: impulses move the particles.
     virtual bool yields() const { return true; }
     // For the state's hash: what can differ between two runs besides the columns, like births so far, as one number.

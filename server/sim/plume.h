@@ -19,6 +19,7 @@ public:
     // Oldest first.
     std::array<Rows, 2> living() const override;
     uint64_t history() const override { return born_; }
+    uint64_t firstId() const override { return oldest_; }
     std::optional<glm::vec3> source() const override { return emitter_.position; }
     void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override;
     void keepStart() override { start_born_ = born_, start_oldest_ = oldest_; }

@@ -271,6 +271,7 @@ uint64_t Simulation::bytes() const { return state_->columns->bytes() + state_->f
 uint64_t Simulation::besides() const { return state_->motion->bytes() + (state_->past ? state_->past->bytes() : 0); }
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
+uint64_t Simulation::firstId() const { return state_->motion->firstId(); }
 const Past* Simulation::past() const { return state_->past ? &*state_->past : nullptr; }
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 

@@ -81,6 +81,7 @@ public:
     // A number that grows when a command sets settings. What changes by itself (a turning light) leaves it as it is.
     uint64_t settingsVersion() const;
     uint32_t liveCount() const;
+    uint64_t firstId() const;  // Motion::firstId(), of the particles as write() has them
     uint32_t capacity() const; // most particles that can be alive at once
     uint64_t bytes() const;    // of the particles' memory in the simulation
     uint64_t besides() const;  // that part of it which all particles' own columns do not make up

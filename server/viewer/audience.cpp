@@ -76,10 +76,11 @@ std::string Audience::preparing() const {
     return preparing_;
 }
 
-void Audience::setMaxViewers(uint32_t max_viewers, uint32_t per_owner) {
+void Audience::setMaxViewers(uint32_t max_viewers, uint32_t per_owner, uint32_t drawing) {
     const std::scoped_lock lock(mutex_);
     max_viewers_ = max_viewers;
     max_per_owner_ = per_owner;
+    max_drawing_ = drawing;
 }
 
 uint32_t Audience::placesFor(bool is_operator) const {
@@ -91,12 +92,31 @@ uint32_t Audience::places() const {
     return std::min<uint32_t>(placesFor(false), time_for_);
 }
 
+uint32_t Audience::countPictures() const {
+    return uint32_t(std::ranges::count_if(viewers_, [](const auto& one) { return !one->draws(); }));
+}
+
+uint32_t Audience::withPictures() const {
+    const std::scoped_lock lock(mutex_);
+    return countPictures();
+}
+
+const char* Audience::whyFullOfDrawing(const Newcomer& newcomer) const {
+    if (viewers_.size() - countPictures() >= max_drawing_) return "every place to draw is taken";
+    const auto own = std::ranges::count_if(
+        viewers_, [&](const auto& one) { return one->draws() && one->owner() == newcomer.owner; });
+    if (!newcomer.owner.empty() && size_t(own) >= (3 * size_t{max_drawing_} + 3) / 4)
+        return "your address or token has as many places to draw as one may have";
+    return nullptr;
+}
+
 const char* Audience::whyFull(const Newcomer& newcomer) const {
-    const size_t places = placesFor(newcomer.is_operator);
-    if (viewers_.size() >= places)
-        return viewers_.size() >= max_viewers_ ? "every place is taken" : "the last place is kept for operators";
-    if (viewers_.size() >= time_for_) return "there is no time to draw for one more viewer";
-    const auto own = std::ranges::count_if(viewers_, [&](const auto& one) { return one->owner() == newcomer.owner; });
+    if (newcomer.draws && max_drawing_ > 0 && report_->not_drawable.empty()) return whyFullOfDrawing(newcomer);
+    const size_t places = placesFor(newcomer.is_operator), taken = countPictures();
+    if (taken >= places) return taken >= max_viewers_ ? "every place is taken" : "the last place is kept for operators";
+    if (taken >= time_for_) return "there is no time to draw for one more viewer";
+    const auto own = std::ranges::count_if(
+        viewers_, [&](const auto& one) { return !one->draws() && one->owner() == newcomer.owner; });
     if (!newcomer.owner.empty() && uint32_t(own) >= max_per_owner_)
         return "your address or token has as many places as one may have";
     return nullptr;
@@ -113,7 +133,7 @@ Audience::Admission Audience::join(std::function<void()> notify, const Newcomer&
     const auto known = lostOf(newcomer);
     const bool back = known != lost_.end();
     auto viewer = std::make_shared<Viewer>(back ? known->id : next_id_++, pacing, std::move(notify));
-    viewer->known(newKey(), newcomer.owner, newcomer.token);
+    viewer->known(newKey(), newcomer.owner, newcomer.token, newcomer.draws);
     if (back) {
         viewer->resume(known->pose);
         lost_.erase(known); // a key can be used once

@@ -28,9 +28,10 @@ struct SceneReport {
     std::vector<SettingValue> settings = defaultValues();
     uint64_t settings_version = 0; // Simulation::settingsVersion()
     SceneLists lists;
-    uint64_t lists_hash = 0; // Simulation::listsHash()
-    std::string standstill;  // why no tick comes, one line; empty: ticks come
-    std::string preparing;   // name of another scene that is being made ready; empty: none is
+    uint64_t lists_hash = 0;  // Simulation::listsHash()
+    std::string standstill;   // why no tick comes, one line; empty: ticks come
+    std::string not_drawable; // why viewers cannot draw by themselves, one line; empty: they can
+    std::string preparing;    // name of another scene that is being made ready; empty: none is
     struct {
         std::string method;
         std::string quadrature;       // empty for a method without a choice
@@ -79,6 +80,7 @@ struct Newcomer {
     uint32_t max_in_flight = 0; // a smaller window than the server's; 0: the server's
     std::string key;            // of a viewer whose connection was lost; empty: somebody new
     std::string token;          // the name in its token; empty: it has none
+    bool draws = false;         // True: it draws by itself where the scene allows it
 };
 
 class Audience {
@@ -96,7 +98,8 @@ public:
     std::string preparing() const;
 
     // Viewers that have joined stay, also when there are more than the new limits. `per_owner`: Newcomer::owner.
-    void setMaxViewers(uint32_t max_viewers, uint32_t per_owner = ~0u);
+    // Viewers who draw by themselves have other places: `drawing`, and three quarters of them for one owner.
+    void setMaxViewers(uint32_t max_viewers, uint32_t per_owner = ~0u, uint32_t drawing = 0);
     uint32_t maxInFlight() const { return max_in_flight_; }
 
     // Admits a viewer, or says in one line why not. A viewer whose connection was lost less than a minute ago gets its
@@ -115,7 +118,8 @@ public:
     // Precondition: not called from the viewer's own notify.
     void leave(const std::shared_ptr<Viewer>& viewer, bool lost = false);
     uint32_t size() const;
-    // How many viewers there may be at most, as it is now, if they are no operators.
+    uint32_t withPictures() const; // those of them who do not draw by themselves
+    // How many viewers with pictures there may be at most, as it is now, if they are no operators.
     uint32_t places() const;
     // Fills `out` with the viewers in the order of joining. Reuses its memory.
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
@@ -138,12 +142,15 @@ public:
     std::atomic<float> budget_used{0};
 
 private:
-    const char* whyFull(const Newcomer& newcomer) const; // null: it is not. Precondition: mutex_ is held
-    uint32_t placesFor(bool is_operator) const;          // by the limit alone. Precondition: mutex_ is held
+    uint32_t countPictures() const; // Precondition: mutex_ is held
+    // Null: it is not. Precondition of both: mutex_ is held.
+    const char* whyFull(const Newcomer& newcomer) const;
+    const char* whyFullOfDrawing(const Newcomer& newcomer) const;
+    uint32_t placesFor(bool is_operator) const; // by the limit alone. Precondition: mutex_ is held
     void remember(const std::shared_ptr<Viewer>& viewer);
 
     const ServerFacts facts_;
-    uint32_t max_viewers_, max_in_flight_, max_per_owner_ = ~0u;
+    uint32_t max_viewers_, max_in_flight_, max_per_owner_ = ~0u, max_drawing_ = 0;
     std::atomic<uint32_t> time_for_{~0u};
     std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/camera.h"
+#include "server/viewer/lit_tick.h"
 
 namespace brume {
 
@@ -36,6 +37,7 @@ struct PoseRequest {
     bool still_picture = false;         // True: redraws a view at rest, with less error and full colour (4:4:4)
     bool lossless = false;              // True: a still picture as PNG
     bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing
+    uint8_t draw_hz = 0;                // above 0: the viewer draws by itself, from so many LitTicks a second at most
     uint8_t layers = 0;                 // layers with depth besides each picture; 0: none
     uint8_t show = 0;                   // number of a view (common/view_names.h); 0: the picture itself
     Clock::time_point received{};
@@ -78,6 +80,11 @@ struct EncodedFrame {
     std::array<Jpeg, 2> jpeg;        // one for each of request.views eyes
     std::array<LayersPtr, 2> layers; // the same; null: none were asked for
     bool png = false;                // True: all pictures are PNG; false: JPEG
+    LitTickPtr lit;                  // the medium to draw, in place of pictures; null: there are pictures
+    bool lit_whole = false;          // True: of `lit` the whole rows are sent; false: the changes
+
+    // What of `lit` is sent.
+    const lit::PackedRows& rows() const { return lit_whole ? lit->whole : lit->changes; }
 };
 // Of all its views together.
 double pixelsOf(const PoseRequest& request);

@@ -35,7 +35,10 @@ public:
     const std::string& owner() const { return owner_; }
     // Newcomer::token.
     const std::string& token() const { return token_; }
-    void known(std::string key, std::string owner, std::string token = {}) {
+    // Newcomer::draws.
+    bool draws() const { return draws_; }
+    void known(std::string key, std::string owner, std::string token = {}, bool draws = false) {
+        draws_ = draws;
         key_ = std::move(key);
         owner_ = std::move(owner);
         token_ = std::move(token);
@@ -78,6 +81,7 @@ public:
         uint32_t frame_id = 0;
         PoseRequest request;
         bool repeats = false; // True: an earlier frame answered this pose
+        bool whole = false;   // of takeLit(). True: it will not be able to read changes
     };
     // The request that the next batch may draw; nothing: none is due. It notes that the window of bytes was full.
     // - Nothing is due without a pose, while the viewer's window is hidden, or while a window of frames or bytes is
@@ -102,6 +106,14 @@ public:
     // Hands out a frame for a request that pollDue() or pollOneShot() returned. Nothing if the viewer has left or was
     // hidden meanwhile.
     std::optional<Due> take(const PoseRequest& due, Clock::time_point now, std::optional<uint64_t> scene);
+    // Messages a second that it wants, who draws by itself; 0: it wants pictures, or nothing at present.
+    uint32_t drawHz() const;
+    // True: it draws by itself, was not sent this version of the scene, and its window has room.
+    bool lags(uint64_t scene, Clock::time_point now) const;
+    // Hands out a frame for message `number` of a medium that it draws by itself. `hz`: messages that are made a
+    // second; `most_hz`: that it may have; infinite: it is due whatever its pace, unless it has this version of the
+    // scene. Nothing: it is not due, since that is more than it wants or than its window allows.
+    std::optional<Due> takeLit(uint32_t number, double hz, double most_hz, uint64_t scene, Clock::time_point now);
     // Sets the device's load for the next observe().
     void deviceHas(const DeviceLoad& load);
     uint32_t every() const; // least ticks between its frames
@@ -138,6 +150,8 @@ private:
     // Precondition of both: mutex_ is held.
     QualityStep step() const;
     PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
+    // Of the pending frame, whose medium the viewer draws: what it can read. False: it can read none of it.
+    bool chooseRows();
     // True: the viewer can redraw it from its last picture, within a part of what that tolerates.
     bool redraws(const PoseRequest& request, float part) const;
 
@@ -146,6 +160,7 @@ private:
     std::mutex notify_mutex_;
     std::function<void()> notify_;
     std::string key_, owner_, token_;
+    bool draws_ = false;
     bool resumed_ = false, any_pose_ = false; // any_pose_: true if the next pose counts, however old its number is
     std::optional<PoseRequest> pose_;
     FramePtr frame_;
@@ -157,6 +172,10 @@ private:
     Clock::time_point made_at_{};         // when a frame was last handed out
     std::optional<uint64_t> scene_;       // its version of the scene
     Detail made_detail_ = Detail::moving; // its refinement
+    LitHeld lit_held_;                    // that were sent
+    std::optional<uint64_t> lit_scene_;   // version of the scene of the last of them
+    uint32_t lit_every_ = 1;              // messages that its window has room for: every so many
+    Clock::time_point lit_held_back_{};   // when the window last had no room for one
     float layers_reach_ = 0;              // m, that its eye may move with its last picture's layers; 0: it had none
     uint32_t layers_every_ = 1;           // least ticks between frames while it redraws them
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made

@@ -4,6 +4,7 @@
 #include "shaders/blocks/tick.glsl"
 #include "shaders/shared/multiple.h"
 #include "shaders/shared/phase.h"
+#include "shaders/lib/fluence_at.glsl"
 
 float octave_phases[kOctaves]; // of the ray, 1/sr
 float sun_phase;                   // of single scattering, 1/sr, > 0
@@ -22,15 +23,6 @@ void startMultiple(vec3 w) {
     } else if (kScatteringModel == kScatteringPropagation) {
         toward_eye = -vec3(dot(tick.map.x, w), dot(tick.map.y, w), -dot(tick.sun.to_light, w));
     }
-}
-
-// Net flux and fluence of a channel at a place in the volumetric shadow map, linear between cells.
-vec4 fluenceAt(uint channel, vec3 in_volume) {
-    const float cells = float(tick.multiple.cells);
-    const float z = clamp(in_volume.z / float(tick.map.slices - 1) * cells - 0.5, 0, cells - 1);
-    const float below = min(floor(z), cells - 2), first = float(channel) * cells + below;
-    return mix(textureLod(fluence, vec3(in_volume.xy, first), 0), textureLod(fluence, vec3(in_volume.xy, first + 1), 0),
-               z - below);
 }
 
 // What a slab scatters toward the eye for E = 1, without albedo, before anything dims it. place: its middle in the

@@ -1,6 +1,7 @@
 #include <string>
 #include <vector>
 
+#include "client/native/lit_reader.h"
 #include "protocol/message.h"
 #include "tests/fuzz/promise.h"
 
@@ -52,6 +53,16 @@ size_t read(const wire::Parsed& parsed) {
                 bits |= byte;
             }
         promise(pictures == parsed.jpeg.size() && bits < 256, "the pictures are all that follows a frame");
+    }
+    if (const auto* lit = parsed.as<wire::LitParticles>()) {
+        client::LitReader reader;
+        if (const lit::Rows* rows = reader.read(*lit, parsed.jpeg)) {
+            promise(rows->count <= lit::kMostParticles, "no more particles than allowed");
+            for (const auto& column : rows->columns)
+                promise(column.empty() || column.size() == rows->count, "a number for each particle");
+        } else {
+            promise(!reader.why().empty(), "what is refused has a reason");
+        }
     }
     return bytes;
 }

@@ -55,6 +55,28 @@ TEST(Audience, AViewerMayAskForASmallerWindowNotALarger) {
     EXPECT_EQ(dueOf(50), 2);
 }
 
+// Who draws by himself takes no place of who gets pictures, unless the scene cannot be drawn.
+TEST(Audience, WhoDrawsByHimselfHasOtherPlaces) {
+    Audience audience({}, sceneFacts({}), 1, 2);
+    audience.setMaxViewers(1, 1, 4);
+    const auto join = [&](bool draws, const char* owner) {
+        return audience.join(nullptr, {.owner = owner, .draws = draws});
+    };
+    EXPECT_TRUE(join(false, "a").viewer);
+    EXPECT_FALSE(join(false, "b").viewer) << "the only place for pictures is taken";
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(join(true, "a").viewer);
+    EXPECT_STREQ(join(true, "a").refusal, "your address or token has as many places to draw as one may have");
+    EXPECT_TRUE(join(true, "b").viewer);
+    EXPECT_STREQ(join(true, "c").refusal, "every place to draw is taken");
+    EXPECT_EQ(audience.size(), 5u);
+    EXPECT_EQ(audience.withPictures(), 1u);
+    audience.setMaxViewers(1, 1, 1000);
+    auto report = std::make_shared<SceneReport>();
+    report->not_drawable = "it has fog";
+    audience.publish(report);
+    EXPECT_STREQ(join(true, "c").refusal, "every place is taken") << "it would get pictures";
+}
+
 TEST(Audience, OneOwnerDoesNotHoldAllPlaces) {
     Audience audience({}, sceneFacts({}), 8, 2);
     audience.setMaxViewers(8, 3);

@@ -4,6 +4,7 @@
 #include "shaders/shared/fog.h"
 #include "shaders/shared/glass.h"
 #include "shaders/shared/ground.h"
+#include "shaders/shared/lit_particles.h"
 #include "shaders/shared/phase.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/shared/sky.h"
@@ -46,5 +47,11 @@ void main() {
     sum += coneDirection(1, 2, sphereEdge(x[i])).x + rectangleSolidAngle(x[i], x[i + 1], x[i + 2], x[i + 3], x[i + 4]);
     sum += glassAt(a, vec3(x[i]), vec3(x[i + 1]), vec3(x[i + 2]), vec3(x[i + 3])) + glassMirrors(x[i], x[i + 1]);
     sum += linearDepth(x[i], x[i + 1], x[i + 2]) + linearQuantile(x[i], x[i + 1], x[i + 2]);
+    const LitLine lit = litLine(LitFit(x[i], a, vec3(x[i + 1]), vec3(x[i + 2])), vec3(x[i + 3]), vec3(x[i + 4]));
+    const LitSums from = litSums(x[i]), to = litSums(x[i + 1]);
+    const LitPart slab = litPart(x[i + 2], lit, from, to);
+    const vec3 moments = litMoments(x[i], x[i + 1], x[i + 2], from);
+    sum += litSlab(slab.lit, slab.depth, litEdge(litRange(moments, x[i]), x[i + 1]), moments) +
+           litBefore(moments, a, x[i]);
     x[i] = sum;
 }

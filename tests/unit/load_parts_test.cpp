@@ -76,7 +76,7 @@ TEST(LoadOptions, GoodOnes) {
 TEST(LoadOptions, BadOnesEndInOneLine) {
     for (const std::vector<const char*>& bad :
          std::vector<std::vector<const char*>>{{"--viewers", "0"},
-                                               {"--viewers", "257"},
+                                               {"--viewers", "1001"},
                                                {"--viewers", "1,x"},
                                                {"--viewers", "-1"},
                                                {"--viewers", ""},

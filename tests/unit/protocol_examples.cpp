@@ -200,6 +200,23 @@ std::vector<Example> makeExamples() {
         example("hello_lossless", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, true); }));
     all.push_back(example(
         "error", [](Builder& b) { return CreateErrorDirect(b, ErrorCode::unknown_name, "no method \"tetra\"", 5); }));
+    all.push_back(example(
+        "hello_draws", [](Builder& b) { return CreateHelloDirect(b, "x", 64, 48, 1, 0, nullptr, false, false, 30); }));
+    // Not columns: as above.
+    all.push_back(example(
+        "lit_particles",
+        [&](Builder& b) {
+            const std::vector<float> phase{0.7f, 0.3f, 0, 0.5f};
+            const std::vector<Hue> hues{{3, 1}, {4, 0.5f}};
+            const std::vector<Object> objects{{ObjectKind::box, v, albedo, 0.25f, to_light}};
+            const Vec3 straight(1, 0.5f, 0.25f), ambient(0, 0.125f, 0.25f), zenith(0.5f, 0.25f, 1), horizon(1, 0.5f, 0);
+            return CreateLitParticlesDirect(b, 41, 123'456'789'012, 0xfedc'ba98'7654'3210, 12, 8, 9'007'199'254'740'993,
+                                            500, 0x2'0000'0101, &v, 0.0078125f, 1.5f, &to_light, &irradiance, &phase,
+                                            &ambient, &hues, &straight, 0.75f, &zenith, &horizon, 0.015625f, 1.25f,
+                                            true, &objects, 0.015625f, 0.00390625f, 0.001953125f, 0.0078125f,
+                                            uint32_t(jpeg.size()), 2.5f);
+        },
+        jpeg));
     return all;
 }
 

@@ -48,6 +48,7 @@ Json of(const Hello& m) {
                              {"views", m.views()},
                              {"quality", m.quality()}});
     if (m.lossless()) out["lossless"] = true; // younger than the first examples
+    if (m.draw_hz() > 0) out["draw_hz"] = m.draw_hz();
     return out;
 }
 
@@ -270,6 +271,48 @@ Json of(const Frame& m) {
     return out;
 }
 
+Json of(const LitParticles& m) {
+    Json hues = Json::array(), objects = Json::array();
+    for (const Hue* hue : *m.hues()) hues.push_back({{"channels", hue->channels()}, {"extinction", hue->extinction()}});
+    if (m.objects())
+        for (const Object* o : *m.objects())
+            objects.push_back({{"kind", EnumNameObjectKind(o->kind())},
+                               {"centre", vec(&o->centre())},
+                               {"half_size", vec(&o->half_size())},
+                               {"yaw", o->yaw()},
+                               {"albedo", vec(&o->albedo())}});
+    return Json::object({{"id", m.id()},
+                         {"tick", number(m.tick())},
+                         {"state_hash", number(m.state_hash())},
+                         {"number", m.number()},
+                         {"reference", m.reference()},
+                         {"first", number(m.first())},
+                         {"count", m.count()},
+                         {"present", number(m.present())},
+                         {"origin", vec(m.origin())},
+                         {"step", m.step()},
+                         {"falloff", m.falloff()},
+                         {"to_light", vec(m.to_light())},
+                         {"irradiance", vec(m.irradiance())},
+                         {"phase", floats(m.phase())},
+                         {"ambient", vec(m.ambient())},
+                         {"hues", std::move(hues)},
+                         {"straight", vec(m.straight())},
+                         {"mean_cosine", m.mean_cosine()},
+                         {"zenith", vec(m.zenith())},
+                         {"horizon", vec(m.horizon())},
+                         {"haze", m.haze()},
+                         {"exposure", m.exposure()},
+                         {"filmic", m.filmic()},
+                         {"objects", std::move(objects)},
+                         {"predicted", m.predicted()},
+                         {"measured", m.measured()},
+                         {"measured_low", m.measured_low()},
+                         {"measured_high", m.measured_high()},
+                         {"bytes", m.bytes()},
+                         {"age_ms", m.age_ms()}});
+}
+
 Json of(const Error& m) {
     return Json::object(
         {{"code", EnumNameErrorCode(m.code())}, {"text", text(m.text())}, {"input_seq", m.input_seq()}});
@@ -314,6 +357,9 @@ Json describe(const Parsed& message) {
     case Body::Error:
         body = of(*message.as<Error>());
         break;
+    case Body::LitParticles:
+        body = of(*message.as<LitParticles>());
+        break;
     case Body::NONE:
         break;
     }
@@ -323,6 +369,7 @@ Json describe(const Parsed& message) {
         for (uint32_t view = 0; view < frame->jpeg_bytes()->size(); ++view) views.push_back(hex(message.view(view)));
         out["jpeg"] = std::move(views);
     }
+    if (message.as<LitParticles>()) out["columns"] = hex(message.jpeg);
     return out;
 }
 

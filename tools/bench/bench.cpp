@@ -206,6 +206,15 @@ private:
         addCosts(command);
         command->add_option("--out", layers_.out, kOutHelp)->default_str("");
 
+        command = addPlain("drawing", kMeasurements, "what viewers see who draw by themselves, beside the reference",
+                           [this] { drawing(context_, drawing_); });
+        command->add_option("--scenes", drawing_.question.scenes, "each a scene, or scene:camera")->expected(1, -1);
+        command->add_option("--size", drawing_.size, "pixels of a view");
+        allow(command->add_option("--pixels", drawing_.question.pixels, "that are traced, of each view"), 1, 100000);
+        allow(command->add_option("--ticks", drawing_.question.ticks, "simulated first"), 0, 100000);
+        addCosts(command);
+        command->add_option("--out", drawing_.out, kOutHelp)->default_str("");
+
         command = addPlain("operations", kMeasurements, "what each operation of a shader costs on the device",
                            [this] { operations(context_, operation_repeats_, operations_out_); });
         allow(command->add_option("--repeats", operation_repeats_, "of each"), 1, 1000);
@@ -303,6 +312,8 @@ private:
     PlanTable planned_;
     LayersOptions layers_{
         .question = {.scenes = {"plume", "cloud", "cumulus", "cloud:inside", "props", "courtyard", "smoke-spots"}}};
+    DrawingOptions drawing_{.question = {.scenes = {"cloud", "cloud:inside", "cloud-5000", "cloud-5000:inside", "plume",
+                                                    "cumulus", "tubes", "props"}}};
     std::string plan_out_, features_out_, scaling_out_, operations_out_, pictures_only_, pictures_out_;
     uint32_t feature_frames_ = 10, scaling_frames_ = 5, operation_repeats_ = 12;
     NativeOptions native_;

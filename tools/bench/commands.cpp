@@ -345,6 +345,19 @@ void layers(const Context& context, LayersOptions options) {
     writeText(options.out, about + layersTables(device, costsOf(context, device), options.question));
 }
 
+void drawing(const Context& context, DrawingOptions options) {
+    const gpu::Device device(context.device);
+    options.question.size = sizeOf(options.size);
+    const std::string about = fmt::format(
+        "# What viewers draw by themselves\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}.\n\n"
+        "Relative RMSE of {} pixels at random, of those that show the medium and no edge, against the reference, without sky and ambient light. What "
+        "viewers do is done in double, at single rays: what their coarse rays err comes on top. Light: the fits, with 64 "
+        "slabs; slabs: eight of them beside 64; rounding: of the message's numbers; drawn: all of it. Bytes are those of "
+        "a particle in a message, of 30 a second.\n\n",
+        context.command, today(), cpu(), device.name(), device.driver(), options.question.pixels);
+    writeText(options.out, about + drawingTable(device, costsOf(context, device), options.question));
+}
+
 void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out) {
     const gpu::Device device(context.device);
     const std::string about = fmt::format(

@@ -7,6 +7,7 @@
 
 #include "server/gpu/device.h"
 #include "tools/bench/correction.h"
+#include "tools/bench/drawing.h"
 #include "tools/bench/layers.h"
 #include "tools/bench/native/compare.h"
 #include "tools/bench/predict.h"
@@ -95,6 +96,12 @@ struct LayersOptions {
     std::filesystem::path out;
 };
 void layers(const Context& context, LayersOptions options);
+struct DrawingOptions {
+    DrawingQuestion question; // its size is replaced
+    std::string size = "640x360";
+    std::filesystem::path out;
+};
+void drawing(const Context& context, DrawingOptions options);
 void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out);
 
 struct NativeOptions {

@@ -161,6 +161,14 @@ Stage::Layered Stage::layered(const Pose& pose, glm::uvec2 size, uint32_t count)
     return out;
 }
 
+const Submission::Fits& Stage::fits() {
+    const bool open = scene_.render.method == kAutoMethod;
+    renderer_.submitLight(submission_, simulation_, open ? plan_.chosen.settings : simulation_.now().render);
+    while (!submission_.commands.wait(1'000'000'000)) {
+    }
+    return submission_.fits();
+}
+
 std::span<const PictureView> Stage::planes() { return submission_.pictures(); }
 
 std::vector<gpu::Particle> Stage::particles() const {

@@ -72,6 +72,8 @@ public:
         double ms = 0; // of the device
     };
     Layered layered(const Pose& pose, glm::uvec2 size, uint32_t count);
+    // The light on the particles, for viewers who draw by themselves. Valid until the next picture.
+    const Submission::Fits& fits();
     std::span<const PictureView> planes(); // planes of the last frame, the encoder's input
 
     const Plan& plan() const { return plan_; }

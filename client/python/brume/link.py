@@ -47,21 +47,27 @@ def _line(answer):
 
 
 class Link:
-    """`changed` guards what a reader sees: welcome, state, frame, failure. It is notified whenever one changes."""
+    """`changed` guards what a reader sees: welcome, state, frame, particles, failure. It is notified whenever one
+    changes. reader: makes what reads LitParticles, for each connection a new one; None: this viewer takes none."""
 
-    def __init__(self, url, token, tls, patience, hello):
+    def __init__(self, url, token, tls, patience, hello, reader=None):
         self.address = socket_address(url)
         self.changed = threading.Condition()
         self.welcome = None  # the newest Welcome; None: not connected
         self.state = None  # the newest SceneState
         self.lists = None  # the newest with the scene's lists
         self.frame = None  # the newest Frame that shows the camera as it is
+        self.particles = None  # the newest Particles of this connection
         self.failure = None  # why there is no connection any more
         self.errors = []  # refusals that no waiting command has taken
         self._awaited = set()  # numbers of inputs whose answers a command waits for
         self._refused = {}  # number of an input: its refusal
         self._ponged = 0  # number of the newest answered ping
         self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
+        self._new_reader, self._reader = reader, None
+        self._told = False  # True: `state` is of the scene that `welcome` tells of
+        self._old = None  # the newest Particles that are not current any more
+        self._least_tick = 0  # of particles that are current
         self._closing = False
         self._resume = ''
         self._other = None  # the server that sent us here, or to which it sent us; None: there is but one
@@ -92,7 +98,7 @@ class Link:
     def look(self, **view):
         """Sends a camera. `frame` is None until a picture shows it."""
         with self.changed:
-            if self._view == view:
+            if self._view == view and not self.draws:
                 self._look_away()
             self._view = view
             self._wanted = time.monotonic()
@@ -104,6 +110,27 @@ class Link:
         if self._hidden:
             self._send_pose(hidden=False)
 
+    @property
+    def draws(self):
+        """True: particles come, and no pictures."""
+        return self._new_reader is not None and self.not_drawable is None
+
+    @property
+    def not_drawable(self):
+        """Why this scene can be drawn by the server alone; None: viewers can draw it, or nobody has said so yet."""
+        return messages.text_of(self.state.NotDrawable()) or None if self._told else None
+
+    @property
+    def current(self):
+        """`particles`, if they are of the scene that `state` is of, and came after the last command and after the last
+        time when nobody wanted any, or when there were none; else None."""
+        one = self.particles
+        return one if one and one is not self._old and self._told and one.tick >= self._least_tick else None
+
+    def want_since_state(self):
+        """Particles that are older than `state` are not current any more. Call it with `changed` held."""
+        self._least_tick = self.state.Tick()
+
     def order(self, builds, timeout):
         """Sends commands, and returns when the server has taken them; raises BrumeError if it refused one."""
         with self.changed:
@@ -112,7 +139,8 @@ class Link:
             connection = self._socket
             if not self.welcome:
                 raise BrumeError('not connected: the command was not sent')
-            self._look_away()
+            if not self.draws:
+                self._look_away()
             made = [messages.order(self._input + 1 + i, build) for i, build in enumerate(builds)]
             longest = max(map(len, made), default=0)
             if longest > messages.MOST_BYTES:
@@ -137,6 +165,7 @@ class Link:
                 raise refused[0]
             if self._socket is not connection:
                 raise BrumeError('the connection was lost: whether the command was taken is not known')
+            self._old = self.particles
             if self._view:
                 self._send_pose(hidden=False)  # a picture of it shows the command, too
 
@@ -164,6 +193,8 @@ class Link:
 
     def _send_pose(self, hidden):
         self._pose += 1
+        if self._hidden and not hidden:
+            self._old = self.particles
         self._hidden = hidden
         if not hidden:
             self._least_pose = self._pose
@@ -230,6 +261,9 @@ class Link:
             async with websockets.connect(self.address, subprotocols=['brume.v1'], compression=None, max_size=None,
                                           open_timeout=HANDSHAKE, close_timeout=2, **headers, **tls) as socket:
                 self._socket = socket
+                with self.changed:
+                    self._reader = self._new_reader and self._new_reader()
+                    self._told, self.particles = False, None
                 await socket.send(self._hello(self._resume))
                 idle = asyncio.ensure_future(self._watch_idleness())
                 try:
@@ -284,16 +318,25 @@ class Link:
 
     def _receive(self, data):
         kind, table, rest = messages.read(data)
+        particles = self._particles_of(table, rest) if kind == 'LitParticles' else None
         with self.changed:
             if kind == 'Frame':
                 frame = messages.frame_of(table, rest)
                 self._send(messages.ack(frame.id))
                 if not self._hidden and frame.pose >= self._least_pose:
                     self.frame = frame
+            elif kind == 'LitParticles':
+                self._send(messages.ack(table.Id()))
+                self.particles = particles
             elif kind == 'SceneState':
                 self.state = table
                 if table.ListsLength() > 0:
                     self.lists = table
+                if not self._told:
+                    self._told = True
+                    self.want_since_state()
+                if self.not_drawable:
+                    self._old = self.particles
             elif kind == 'Ping':
                 self._send(messages.pong(table.Nonce(), table.TimeUs()))
             elif kind == 'Pong':
@@ -308,10 +351,26 @@ class Link:
                 self._asked = min(wait, LONGEST_ASKED) if wait > 0 else 0.0
             elif kind == 'Welcome':
                 self.welcome = table
+                self._told, self._old = False, self.particles
                 self._resume = messages.text_of(table.Resume()) or self._resume
                 if self._view:
                     self._send_pose(hidden=self._hidden)
             self.changed.notify_all()
+
+    def _particles_of(self, table, rest):
+        """Particles, or None if nobody asked for them. What cannot be read ends the connection: messages that refer to
+        it could not be read, either, and a new connection begins with whole ones."""
+        try:
+            return self._reader.read(table, rest) if self._reader else None
+        except BrumeError as error:
+            with self.changed:
+                self._remember(BrumeError(str(error)))  # the caller's own: it may clear the frames of its traceback
+                self.changed.notify_all()
+            raise
+
+    def _remember(self, error):
+        self.errors.append(error)
+        del self.errors[:-16]
 
     def _refuse(self, number, error):
         if error.code == 'full':
@@ -319,5 +378,4 @@ class Link:
         elif number in self._awaited:
             self._refused[number] = error
         elif number or error.code != 'too_fast':  # a pose that came too fast is shown a little later
-            self.errors.append(error)
-            del self.errors[:-16]
+            self._remember(error)

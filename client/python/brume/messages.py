@@ -12,7 +12,7 @@ from brume.layers import Layers
 
 try:
     from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
-                            Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set,
+                            LitParticles, Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set,
                             SetParticles, SettingKind, Vec3, Welcome)
     from brume.wire import Frame as WireFrame
 except ImportError as error:
@@ -42,7 +42,7 @@ def _vec3(builder, v):
     return Vec3.CreateVec3(builder, x, y, z)
 
 
-def hello(width, height, client, resume, quality, lossless, keep_size):
+def hello(width, height, client, resume, quality, lossless, keep_size, draw_hz=0):
     b = flatbuffers.Builder(256)
     name, key = b.CreateString(client), b.CreateString(resume)
     Hello.Start(b)
@@ -53,6 +53,7 @@ def hello(width, height, client, resume, quality, lossless, keep_size):
     Hello.AddResume(b, key)
     Hello.AddLossless(b, lossless)
     Hello.AddKeepSize(b, keep_size)
+    Hello.AddDrawHz(b, draw_hz)
     return _finish(b, Body.Body.Hello, Hello.End(b))
 
 
@@ -237,7 +238,8 @@ def order(seq, build):
 
 _BODIES = {Body.Body.Welcome: Welcome.Welcome, Body.Body.SceneState: SceneState.SceneState,
            Body.Body.Frame: WireFrame.Frame, Body.Body.Error: Error.Error, Body.Body.Ping: Ping.Ping,
-           Body.Body.Pong: Pong.Pong, Body.Body.Goodbye: Goodbye.Goodbye}
+           Body.Body.Pong: Pong.Pong, Body.Body.Goodbye: Goodbye.Goodbye,
+           Body.Body.LitParticles: LitParticles.LitParticles}
 _CODES = {value: name for name, value in vars(ErrorCode.ErrorCode).items() if isinstance(value, int)}
 
 
@@ -254,7 +256,7 @@ def read(data):
         table, body = kind(), message.Body()
         table.Init(body.Bytes, body.Pos)
         return kind.__name__, table, data[4 + length:]
-    except (IndexError, ValueError, struct.error, TypeError) as error:
+    except (AttributeError, IndexError, TypeError, ValueError, struct.error) as error:
         raise BrumeError(f'the server sent what cannot be read ({error}): another version?') from error
 
 

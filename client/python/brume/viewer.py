@@ -27,6 +27,7 @@ class State:
     box: tuple  # two corners of a box that holds the medium, m; None from an older server
     standstill: str = None  # why no tick comes at present, in one line; None: ticks come
     preparing: str = None  # the name of another scene that is being made ready to be shown; None: none is
+    not_drawable: str = None  # why viewers cannot draw this scene by themselves, in one line; None: they can
 
 
 def look_at(position, target):
@@ -43,9 +44,9 @@ def look_at(position, target):
 class Viewer:
     """One viewer of the scene. connect() makes it; close it, or use it in a `with`."""
 
-    def __init__(self, link, timeout, size):
-        self._link, self._timeout = link, timeout
-        self._last = None  # the frame that was returned last
+    def __init__(self, link, timeout, size, draw_hz=0):
+        self._link, self._timeout, self._draw_hz = link, timeout, draw_hz
+        self._last = self._last_particles = None  # that were returned last
         with link.changed:
             link.wait(lambda: link.welcome and link.state, timeout, f'no welcome from {link.address}')
             welcome = link.welcome
@@ -113,7 +114,8 @@ class Viewer:
                      settings=dict(zip(paths, values)), lists=elements,
                      box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None,
                      standstill=messages.text_of(state.Standstill()) or None,
-                     preparing=messages.text_of(state.Preparing()) or None)
+                     preparing=messages.text_of(state.Preparing()) or None,
+                     not_drawable=messages.text_of(state.NotDrawable()) or None)
 
     # ---- camera and pictures ----
 
@@ -153,40 +155,77 @@ class Viewer:
     def frame(self, after=None, timeout=None):
         """The next picture of the camera as it is now, drawn after the last command; newer than the one returned
         before. after: a tick, which the picture's must exceed. In a paused scene that sends nothing more it is the
-        same picture again."""
-        link, timeout = self._link, timeout or self._timeout
-        with link.changed:
-            link.want()
+        same picture again. A viewer that draws by itself gets none."""
+        link = self._link
 
-            def ready():
-                frame = link.frame
-                return frame and frame is not self._last and (after is None or frame.tick > after)
-            same = self._last is not None and self._last is link.frame and after is None
-            if same and link.state and link.state.Paused():
-                try:
-                    link.wait(ready, REST, '')
-                except TimeoutError:
-                    return self._last
-            deadline = time.monotonic() + timeout
+        def newest():
+            if link.draws:
+                raise BrumeError('this viewer gets particles in place of pictures: take particles(), or connect() '
+                                 'without draw_hz', 'unexpected')
+            return link.frame
+        self._last = self._wait(newest, self._last, lambda: self._last if self._last is link.frame else None,
+                                after, timeout, 'picture')
+        return self._last
+
+    def _wait(self, newest, last, at_rest, after, timeout, what):
+        """What newest() gives, as soon as it is another than `last` and of a tick above `after`; or what at_rest()
+        gives of a paused scene that sends nothing more."""
+        link, timeout = self._link, timeout or self._timeout
+
+        def ready():
+            one = newest()
+            return one and one is not last and (after is None or one.tick > after)
+        with link.changed:
+            begin = time.monotonic()
+            link.want()
             while not ready():
                 link.want()  # so that the server goes on to draw
-                left = deadline - time.monotonic()
-                if left <= 0:
+                waited = time.monotonic() - begin
+                rests = after is None and waited >= min(REST, timeout) and link.state and link.state.Paused()
+                if rests and at_rest():
+                    return at_rest()
+                if waited >= timeout:
                     why = messages.text_of(link.state.Standstill()) if link.state else ''
                     still = f': the scene stands still: {why}' if why else ''
-                    raise TimeoutError(f'no picture in {timeout:g} s{still}')
+                    raise TimeoutError(f'no {what} in {timeout:g} s{still}')
                 try:
-                    link.wait(ready, min(left, REST / 2), '')
+                    link.wait(ready, min(timeout - waited, REST / 2), '')
                 except TimeoutError:
                     continue
-            self._last = link.frame
-            return self._last
+            return newest()
 
     def frames(self, count=None, timeout=None):
         """Pictures one after another, always the newest; those that come while the last is being used are passed
         over."""
         while count is None or count > 0:
             yield self.frame(timeout=timeout)
+            count = None if count is None else count - 1
+
+    # ---- particles, for viewers that draw by themselves: connect(draw_hz=30) ----
+
+    def particles(self, after=None, timeout=None):
+        """The next particles.Particles: the medium with the light on it, as arrays. They came after the last command,
+        and are newer than those returned before. after: a tick, which theirs must exceed. In a paused scene that sends
+        nothing more they are the same again. Raises BrumeError if the scene can be drawn by the server alone."""
+        link = self._link
+        if not self._draw_hz:
+            raise BrumeError('this viewer gets pictures: connect(draw_hz=30) asks for particles', 'unexpected')
+
+        def newest():
+            if link.not_drawable:
+                raise BrumeError(f'the server alone can draw this scene: {link.not_drawable}', 'unexpected')
+            return link.current
+
+        def at_rest():
+            one = link.particles
+            return one if one and int(one.hash, 16) == link.state.StateHash() else None
+        self._last_particles = self._wait(newest, self._last_particles, at_rest, after, timeout, 'particles')
+        return self._last_particles
+
+    def particle_stream(self, count=None, timeout=None):
+        """Particles one after another, always the newest; those that come meanwhile are passed over."""
+        while count is None or count > 0:
+            yield self.particles(timeout=timeout)
             count = None if count is None else count - 1
 
     # ---- commands: they change the scene for everyone ----
@@ -243,6 +282,8 @@ class Viewer:
                     raise link.errors.pop()  # refused at its tick
                 link.changed.wait(max(end - time.monotonic(), 0))
                 ticks.add(link.state.Tick())
+        with link.changed:
+            link.want_since_state()
         link.look(**self._view)
 
     def pause(self, paused=True):
@@ -317,22 +358,36 @@ def _alike(value, wanted):
     return all(one is not None and math.isclose(one, float(two), rel_tol=1e-6, abs_tol=1e-9) for one, two in both)
 
 
+def _reader():
+    try:
+        import numpy  # noqa: F401
+    except ImportError:
+        raise BrumeError('NumPy is missing, which particles need: install python3-numpy') from None
+    from brume.particles import Reader
+    return Reader
+
+
 def connect(url='http://127.0.0.1:8080', token=None, size=(640, 360), quality=0, lossless=False, timeout=30,
-            tls=None, reconnect=60, keep_size=False):
+            tls=None, reconnect=60, keep_size=False, draw_hz=0):
     """A Viewer of the server at `url` (http, https, ws or wss).
 
     token: where the server wants one. size: pixels of a picture. quality: of the JPEG, 1 ... 100; 0: the server's.
     lossless: True asks for what rests once more as PNG. timeout: s that a call waits. tls: an ssl.SSLContext, for
     certificates of one's own. reconnect: s for which a lost connection is tried again, as the same viewer. keep_size:
-    True asks for fewer pictures, not smaller ones, where the link or the server is slow.
+    True asks for fewer pictures, not smaller ones, where the link or the server is slow. draw_hz: 1 ... 60 asks for at
+    most so many particles() a second in place of pictures, for a program that draws or measures by itself; it needs
+    NumPy.
     Raises BrumeError with the server's line if it refuses, TimeoutError if nobody answers.
     """
+    if draw_hz not in range(61):
+        raise BrumeError(f'draw_hz is {draw_hz}: allowed are whole numbers from 0 to 60', 'out_of_range')
+
     def hello(resume):
         return messages.hello(size[0], size[1], 'brume-python 0.1.0', resume, quality, lossless=lossless,
-                              keep_size=keep_size)
-    link = Link(url, token, tls, reconnect, hello)
+                              keep_size=keep_size, draw_hz=int(draw_hz))
+    link = Link(url, token, tls, reconnect, hello, _reader() if draw_hz else None)
     try:
-        return Viewer(link, timeout, tuple(size))
+        return Viewer(link, timeout, tuple(size), draw_hz)
     except BaseException:
         link.close()
         raise

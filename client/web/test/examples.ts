@@ -13,8 +13,10 @@ import { Goodbye } from '../src/wire/brume/wire/goodbye';
 import { Hello } from '../src/wire/brume/wire/hello';
 import { Impulse } from '../src/wire/brume/wire/impulse';
 import { Input } from '../src/wire/brume/wire/input';
+import { LitParticles } from '../src/wire/brume/wire/lit-particles';
 import { Message } from '../src/wire/brume/wire/message';
 import { MoveVolume } from '../src/wire/brume/wire/move-volume';
+import { ObjectKind } from '../src/wire/brume/wire/object-kind';
 import { Ping } from '../src/wire/brume/wire/ping';
 import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
@@ -51,6 +53,7 @@ const tables: { [type: string]: new () => object } = {
     Hello,
     Impulse,
     Input,
+    LitParticles,
     MoveVolume,
     Ping,
     Pong,
@@ -78,6 +81,9 @@ const LISTS = [
   'albedos',
   'lists',
   'values',
+  'phase',
+  'hues',
+  'objects',
 ];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
@@ -89,7 +95,7 @@ function read(table: object, like: Fields): Fields {
     const name = key.replace(/_(\w)/g, (_, letter: string) => letter.toUpperCase());
     if (key === 'command_type') out[key] = CommandType[call(name) as number] ?? null;
     else if (key === 'encoding') out[key] = Encoding[call(name) as number] ?? null;
-    else if (key === 'kind') out[key] = SettingKind[call(name) as number] ?? null;
+    else if (key === 'kind') out[key] = ('yaw' in like ? ObjectKind : SettingKind)[call(name) as number] ?? null;
     else if (key === 'least_role') out[key] = Role[call(name) as number] ?? null;
     else if (key === 'code') out[key] = ErrorCode[call(name) as number] ?? null;
     else if (key === 'command') {
