@@ -2,18 +2,21 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "server/inputs/multiple_block.h"
-#include "server/medium/levels.h"
 
 namespace brume {
 namespace {
 
 using Millis = std::chrono::duration<float, std::milli>;
 
+constexpr uint32_t kMostParticles = 16'384; // of a message; larger media are merged to so many
+constexpr uint32_t kMostMerged = 262'144;   // that are merged in time
+constexpr uint32_t kGroupsLast = 256;       // messages
 constexpr size_t kMostObjects = 16; // that a viewer's shaders look through for each pixel
 
 float millisBetween(Clock::time_point from, Clock::time_point to) { return Millis(to - from).count(); }
@@ -32,7 +35,7 @@ std::string whyNotDrawable(const ShownScene& shown) {
     const size_t objects =
         now.lists.planes.size() + now.lists.boxes.size() + now.lists.spheres.size() + now.lists.laid_out;
     if (objects > kMostObjects) return fmt::format("it has more than {} objects", kMostObjects);
-    if (shown.simulation.liveCount() >= kLargeMedium) return fmt::format("it has {} particles or more", kLargeMedium);
+    if (shown.simulation.liveCount() > kMostMerged) return fmt::format("it has more than {} particles", kMostMerged);
     return {};
 }
 
@@ -94,9 +97,30 @@ void LitStream::submit(Renderer& renderer, const ShownScene& shown, const Render
     next_->predicted = measuring_.knownOfDrawers();
     next_->exposure = shown.simulation.now().render.exposure;
     next_->filmic = settings.tone_map == "filmic";
-    first_ = shown.simulation.firstId();
     on_device_ = true;
-    renderer.submitLight(submission_, shown.simulation, settings);
+    renderer.submitLight(submission_, shown.simulation, settings, grouped(shown));
+}
+
+// The groups of a large medium, which last while its particles are the same ones; of others nothing. Sets their ids.
+std::span<const gpu::Particle> LitStream::grouped(const ShownScene& shown) {
+    const Simulation& simulation = shown.simulation;
+    const uint64_t first = simulation.firstId();
+    if (simulation.liveCount() <= kMostParticles) {
+        groups_.clear();
+        first_ = first;
+        return {};
+    }
+    particles_.resize(simulation.liveCount());
+    simulation.write(particles_);
+    if (groups_.particles() != particles_.size() || number_ - grouped_at_ >= kGroupsLast || first != 0) {
+        LastingGroups next;
+        next.build(particles_, kMostParticles);
+        grouped_at_ = number_;
+        if (!(next == groups_)) groups_ = std::move(next), ++groupings_;
+    }
+    first_ = groupings_ << 32; // other groups are other particles
+    groups_.merge(particles_, simulation.now().medium.falloff, merged_);
+    return merged_;
 }
 
 void LitStream::drop() {

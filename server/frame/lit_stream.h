@@ -12,6 +12,7 @@
 #include "server/frame/lit_rows.h"
 #include "server/frame/measuring.h"
 #include "server/frame/shown_scene.h"
+#include "server/medium/lasting_groups.h"
 #include "server/metrics/metrics.h"
 #include "server/viewer/viewer.h"
 
@@ -41,6 +42,7 @@ public:
 
 private:
     void pack() noexcept;
+    std::span<const gpu::Particle> grouped(const ShownScene& shown);
     double hzWithin(double hz) const;
     double hzFor(std::span<const std::shared_ptr<Viewer>> viewers) const;
 
@@ -60,6 +62,10 @@ private:
     std::vector<Measuring::Drawer> drawers_; // of jobs_
     std::shared_ptr<LitTick> next_;          // what is on the device, without rows
     std::unique_ptr<MeterJob> measured_;     // of one of the viewers; null: none
+    LastingGroups groups_;     // of a large medium
+    uint64_t groupings_ = 0;   // how often it was grouped
+    uint32_t grouped_at_ = 0;  // number of the message that was the first with these groups
+    std::vector<gpu::Particle> particles_, merged_;
     bool whole_ = false;                     // True: somebody needs whole rows
     uint64_t first_ = 0;
     Clock::time_point taken_{}, done_{};

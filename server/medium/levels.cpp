@@ -4,8 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "server/medium/group.h"
 
 namespace brume {
 namespace {
@@ -24,45 +25,6 @@ uint32_t spread(uint32_t x) {
 
 // Of a power of two that x, positive, is one to two times; -127 for what is smaller than any.
 int exponentOf(float x) { return int(std::bit_cast<uint32_t>(x) >> 23) - 127; }
-
-// Sums over the particles of one cell and size. Places count from the first: no cancellation far from zero.
-struct Group {
-    uint32_t members = 0;
-    const gpu::Particle* first = nullptr;
-    double depth = 0;   // of the lines through the centres, together
-    double mass = 0;    // integral of the extinction over space, m^2
-    double squares = 0; // mass * (3 s^2 + |x|^2)
-    glm::dvec3 places{0};
-    glm::dvec3 scattered{0}; // mass * albedo
-    bool one_albedo = true;
-
-    void add(const gpu::Particle& p, double s, double m, double d) {
-        if (members++ == 0) first = &p;
-        const glm::dvec3 at = glm::dvec3(p.centre) - glm::dvec3(first->centre);
-        depth += d;
-        mass += m;
-        places += m * at;
-        squares += m * (3 * s * s + glm::dot(at, at));
-        scattered += m * glm::dvec3(p.albedo);
-        one_albedo = one_albedo && p.albedo == first->albedo;
-    }
-};
-
-const double kUnitMass = std::pow(2 * std::numbers::pi, 1.5); // of a Gaussian of unit peak and deviation
-const double kUnitDepth = std::sqrt(2 * std::numbers::pi);    // of the line through its centre
-
-gpu::Particle merged(const Group& g, double falloff) {
-    if (g.members == 1) return *g.first;
-    const glm::dvec3 mean = g.places / g.mass;
-    const double variance = (g.squares / g.mass - glm::dot(mean, mean)) / 3;
-    gpu::Particle p{};
-    p.centre = glm::vec3(glm::dvec3(g.first->centre) + mean);
-    p.scale = float(10 * std::sqrt(variance) / falloff);
-    const double s = 0.1 * double(p.scale) * falloff; // as rounded: the mass is kept to the rounding of sigma_t
-    p.sigma_t = float(g.mass / (kUnitMass * s * s * s));
-    p.albedo = g.one_albedo ? g.first->albedo : glm::vec3(g.scattered / g.mass);
-    return p;
-}
 
 } // namespace
 
@@ -103,7 +65,7 @@ void mergeCells(std::span<const gpu::Particle> ordered, float falloff, int expon
     std::array<Group, kLargest - kSmallest + 1> groups;
     const auto flush = [&](Group& g) {
         if (g.members == 0) return;
-        out.push_back(merged(g, double(falloff)));
+        out.push_back(g.merged(double(falloff)));
         g = {};
     };
     const float per_cell = std::ldexp(1.0f, -exponent);

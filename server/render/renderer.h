@@ -69,7 +69,7 @@ private:
     gpu::Buffer particles_, uniforms_, planes_;
     std::vector<PictureView> pictures_;
     std::vector<DepthLayersView> layers_;
-    gpu::Buffer fits_bytes_;
+    gpu::Buffer groups_, fits_bytes_;
     Fits fits_;
 };
 
@@ -90,9 +90,10 @@ public:
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
 
-    // The same for the light on all particles, and no picture. Precondition: there are fewer than kLargeMedium
-    // particles.
-    void submitLight(Submission& submission, const Simulation& simulation, const RenderSettings& settings);
+    // The same for the light on particles, and no picture. `groups`: particles to be lit in place of all; empty: all are.
+    // Precondition: there are groups, or fewer than kLargeMedium particles.
+    void submitLight(Submission& submission, const Simulation& simulation, const RenderSettings& settings,
+                     std::span<const gpu::Particle> groups = {});
 
     // From the next submission on: of the scene's lists only what shaders with these features draw.
     void drawOnly(const SceneFeatures& lists) { lists_ = lists; }
@@ -170,7 +171,7 @@ private:
     DrawnCells cells_;
     DepthLayers depth_layers_;
     gpu::Sampler nearest_;
-    gpu::Buffer planes_, fits_;
+    gpu::Buffer planes_, fits_, groups_;
     VkDeviceSize planes_bytes_ = 0; // of the present submission
     Targets targets_, coarse_targets_;
 

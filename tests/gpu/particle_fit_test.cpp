@@ -109,6 +109,25 @@ TEST_F(GpuTest, ParticleFitsOfEachHueAndOfLightThatScattersOn) {
     for (const gpu::ParticleFit& fit : single.fits[0]) EXPECT_EQ(fit.fluence[0], glm::vec4(0));
 }
 
+// Groups of a large medium are lit by all of its particles.
+TEST_F(GpuTest, ParticleFitsOfGroupsAreThoseOfTheirPlaces) {
+    Scene scene = sceneOf(randomPoints(200, 4, 4, 0.05f), 1.6f);
+    const Lit all = litOf(device(), scene);
+    const Simulation simulation(scene);
+    Renderer renderer(device(), scene, simulation.capacity());
+    Submission submission(device(), "light");
+    const std::vector<gpu::Particle> groups(all.particles.begin() + 50, all.particles.begin() + 60);
+    renderer.submitLight(submission, simulation, scene.render, groups);
+    waitFor(submission.commands);
+    const Submission::Fits& fits = submission.fits();
+    ASSERT_EQ(fits.particles.size(), 10u);
+    for (size_t i = 0; i < 10; ++i) {
+        EXPECT_EQ(fits.particles[i].centre, groups[i].centre);
+        EXPECT_EQ(fits.fits[0][i].middle, all.fits[0][50 + i].middle);
+        EXPECT_EQ(fits.fits[0][i].twist, all.fits[0][50 + i].twist);
+    }
+}
+
 TEST_F(GpuTest, ParticleFitsOfNoParticles) {
     Scene scene = sceneOf({}, 1);
     scene.medium.layout = Layout::none;

@@ -13,15 +13,16 @@ public:
     explicit ParticleFitEffect(const gpu::Device& device) : program_(device, lit_particles_comp, "lit_particles") {}
 
     void recordHue(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
-        if (!in.fits || in.all.count == 0) return;
+        if (!in.fits || in.fitted->count == 0) return;
+        const MediumView& medium = *in.fitted;
         const gpu::Resource own = gpu::storageBuffer("ParticleFits", *in.fits, tick.hue * in.fits_stride,
-                                                     in.all.count * sizeof(gpu::ParticleFit));
+                                                     medium.count * sizeof(gpu::ParticleFit));
         gpu::Constants constants = constantsOf(tick.features);
         constants.push_back({gpu::kIdScattering, scatteringOf(tick.tick->multiple)});
         const gpu::Commands::Pass pass(commands, "particle fit");
         gpu::computeToCompute(commands.handle());
-        program_.with(constants).bind(commands, in.all.resources, {own});
-        vkCmdDispatch(commands.handle(), gpu::groups(in.all.count, 64), 1, 1);
+        program_.with(constants).bind(commands, medium.resources, {own});
+        vkCmdDispatch(commands.handle(), gpu::groups(medium.count, 64), 1, 1);
     }
 
 private:
