@@ -1,4 +1,5 @@
 import { defineConfig } from 'vitest/config';
+import { glsl } from './glsl';
 
 // `npm run dev` serves the page with live reload and passes the rest on to a running server.
 const server = process.env['BRUME_URL'] ?? 'http://127.0.0.1:8080';
@@ -7,6 +8,7 @@ const server = process.env['BRUME_URL'] ?? 'http://127.0.0.1:8080';
 // file that other pages import, dist/brume-view.js.
 export default defineConfig(({ mode }) => ({
   base: './',
+  plugins: [glsl()],
   build: {
     target: 'es2022',
     modulePreload: { polyfill: false },

@@ -180,7 +180,7 @@ describe('two eyes', () => {
         return name === 0x9246 ? 'a graphics card' : getParameter.call(this, name);
       };
     }`;
-    for (const query of ['', '?eyes=side']) {
+    for (const query of ['?draw=server', '?draw=server&eyes=side']) {
       // Small: software draws two eyes at each of the display's pictures.
       const page = await openPage(t, browser, `${delay.url}/${query}`, {
         script,

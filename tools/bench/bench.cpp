@@ -212,6 +212,7 @@ private:
         command->add_option("--size", drawing_.size, "pixels of a view");
         allow(command->add_option("--pixels", drawing_.question.pixels, "that are traced, of each view"), 1, 100000);
         allow(command->add_option("--ticks", drawing_.question.ticks, "simulated first"), 0, 100000);
+        command->add_flag("--links", drawing_.question.links, "also over narrow links, of the first scene");
         addCosts(command);
         command->add_option("--out", drawing_.out, kOutHelp)->default_str("");
 

@@ -9,6 +9,7 @@
 #include "server/error/error_meter.h"
 #include "server/frame/lit_rows.h"
 #include "server/inputs/eye_request.h"
+#include "tools/bench/drawing_links.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/pixel.h"
 #include "tools/reference/rows.h"
@@ -148,6 +149,7 @@ std::string drawingTable(const gpu::Device& device, const CostModel& costs, cons
         std::fputs(row.c_str(), stderr);
         out += row;
     }
+    if (question.links) out += linksTable(device, costs, question, question.scenes.front());
     return out;
 }
 

@@ -13,6 +13,7 @@ struct DrawingQuestion {
     glm::uvec2 size{640, 360};       // of the picture whose pixels are looked at
     uint32_t pixels = 500;           // that are traced, of each view, or somewhat more
     uint32_t ticks = 60;             // simulated first
+    bool links = false;              // True: also over narrow links (drawing_links.h), of the first scene
 };
 
 // A table of errors and bytes, as Markdown.

@@ -3,6 +3,7 @@ import type { Camera } from './camera';
 import { socketAddress } from './connection';
 import type { LinkState } from './connection';
 import { el, setText } from './dom';
+import { DRAW_WISHES, drawWishOf } from './draw-choice';
 import type { Latency } from './latency';
 import { placeOf } from './place';
 import type { Place } from './place';
@@ -20,6 +21,7 @@ export interface BrumeViewEvents {
   welcome: Welcome;
   scenechange: SceneState;
   picture: { frame: Frame; latency: Latency | undefined };
+  drawn: { tick: bigint; stateHash: bigint };
   note: { text: string; kind: 'info' | 'error' };
   modechange: undefined;
   touched: undefined;
@@ -52,6 +54,7 @@ const oneOf = (...names: readonly string[]) => ({
 const ALLOWED = {
   eyes: oneOf(...EYES),
   reproject: oneOf(...REPROJECTIONS),
+  draw: oneOf(...DRAW_WISHES),
   controls: oneOf('push', 'look', 'none'),
   view: oneOf(...VIEWS),
   size: { holds: (text: string): boolean => sizeOf(text) !== undefined, text: 'width and height in pixels: 640x360' },
@@ -74,6 +77,7 @@ export class BrumeView extends HTMLElement {
       'fov',
       'eyes',
       'reproject',
+      'draw',
       'predict',
       'quality',
       'size',
@@ -151,6 +155,9 @@ export class BrumeView extends HTMLElement {
       case 'reproject':
         viewer?.choose(eyesOf(this.getAttribute('eyes')), reprojectionOf(this.getAttribute('reproject')));
         break;
+      case 'draw':
+        viewer?.chooseDraw(drawWishOf(now));
+        break;
       case 'quality':
         viewer?.setQuality(this.wishes().quality);
         break;
@@ -227,6 +234,7 @@ export class BrumeView extends HTMLElement {
         this.tell('scenechange', scene);
       },
       picture: (frame, latency) => void this.tell('picture', { frame, latency }),
+      drawn: ({ tick, stateHash }) => void this.tell('drawn', { tick, stateHash }),
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
       touched: () => void this.tell('touched', undefined),
@@ -246,6 +254,7 @@ export class BrumeView extends HTMLElement {
     this.arrived = undefined;
     this.running = viewer;
     viewer.choose(eyesOf(this.getAttribute('eyes')), reprojectionOf(this.getAttribute('reproject')));
+    viewer.chooseDraw(drawWishOf(this.getAttribute('draw')));
     viewer.start();
   }
 

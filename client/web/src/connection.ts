@@ -184,12 +184,7 @@ export class Connection {
       if (!(data instanceof ArrayBuffer)) throw new Error('not a binary message');
       message = decode(data);
     } catch (error) {
-      console.error('brume: the server sent what this page cannot read:', error);
-      // If the first message cannot be read, the server is of another version; if a later one, the connection is
-      // broken.
-      this.parting = this.welcomed ? { text: 'A message was damaged.' } : versionRefusal();
-      this.socket?.close(4000, 'unreadable message');
-      return;
+      return this.unreadable(error);
     }
     switch (message.kind) {
       case 'ping':
@@ -218,6 +213,14 @@ export class Connection {
         break;
     }
     this.events.message(message, (data as ArrayBuffer).byteLength);
+  }
+
+  // The server sent what this page cannot read. If it is the first message, the server is of another version. If it is
+  // a later one, the connection is broken.
+  unreadable(error: unknown): void {
+    console.error('brume: the server sent what this page cannot read:', error);
+    this.parting = this.welcomed ? { text: 'A message was damaged.' } : versionRefusal();
+    this.socket?.close(4000, 'unreadable message');
   }
 
   private tick(socket: WebSocket): void {

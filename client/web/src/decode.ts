@@ -1,5 +1,5 @@
 // Decodes messages from the server. One WebSocket message is one size-prefixed FlatBuffer; the JPEG bytes of a
-// frame's views follow it.
+// frame's views, or packed columns of particles, follow it.
 import { ByteBuffer } from 'flatbuffers';
 import { Body } from './wire/brume/wire/body';
 import type { Elements as WireElements } from './wire/brume/wire/elements';
@@ -8,6 +8,7 @@ import { Error as WireError } from './wire/brume/wire/error';
 import { Frame as WireFrame } from './wire/brume/wire/frame';
 import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
 import type { List as WireList } from './wire/brume/wire/list';
+import { LitParticles as WireParticles } from './wire/brume/wire/lit-particles';
 import { Message } from './wire/brume/wire/message';
 import { Ping as WirePing } from './wire/brume/wire/ping';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
@@ -19,6 +20,7 @@ import { SceneState as WireSceneState } from './wire/brume/wire/scene-state';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
+import { decodeParticles } from './lit-particles';
 import { ProtocolError } from './protocol';
 import { roleOf } from './role';
 import type {
@@ -59,7 +61,8 @@ export function decode(data: ArrayBuffer): ServerMessage {
   buffer.setPosition(0);
   const message = Message.getSizePrefixedRootAsMessage(buffer);
   const type = message.bodyType();
-  if (type !== Body.Frame && tail.length > 0) throw new ProtocolError('bytes after the message');
+  if (type !== Body.Frame && type !== Body.LitParticles && tail.length > 0)
+    throw new ProtocolError('bytes after the message');
   switch (type) {
     case Body.Welcome:
       return decodeWelcome(message.body(new WireWelcome()) as WireWelcome);
@@ -67,6 +70,8 @@ export function decode(data: ArrayBuffer): ServerMessage {
       return decodeScene(message.body(new WireSceneState()) as WireSceneState);
     case Body.Frame:
       return decodeFrame(message.body(new WireFrame()) as WireFrame, tail);
+    case Body.LitParticles:
+      return decodeParticles(message.body(new WireParticles()) as WireParticles, tail);
     case Body.Error: {
       const error = message.body(new WireError()) as WireError;
       return { kind: 'error', code: error.code(), text: error.text() ?? '', inputSeq: error.inputSeq() };
@@ -181,7 +186,8 @@ const decodeElements = (list: WireElements | null): number[] =>
   toList(list?.valuesLength() ?? 0, MAX_VALUES, (i) => list?.values(i) ?? 0);
 
 function decodeScene(s: WireSceneState): SceneState {
-  const [plan, lo, hi, standstill, preparing] = [s.plan(), s.lo(), s.hi(), s.standstill(), s.preparing()];
+  const [plan, lo, hi] = [s.plan(), s.lo(), s.hi()];
+  const [standstill, preparing, notDrawable] = [s.standstill(), s.preparing(), s.notDrawable()];
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -198,6 +204,7 @@ function decodeScene(s: WireSceneState): SceneState {
     ...(s.listsLength() > 0 ? { lists: toList(s.listsLength(), MAX_LISTS, (i) => decodeElements(s.lists(i))) } : {}),
     ...(standstill ? { standstill: standstill.slice(0, MAX_LINE) } : {}),
     ...(preparing ? { preparing: preparing.slice(0, MAX_LINE) } : {}),
+    ...(notDrawable ? { notDrawable: notDrawable.slice(0, MAX_LINE) } : {}),
   };
 }
 

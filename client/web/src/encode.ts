@@ -39,7 +39,18 @@ export function encodeHello(hello: HelloMessage): Uint8Array<ArrayBuffer> {
   return finish(
     builder,
     Body.Hello,
-    Hello.createHello(builder, client, hello.width, hello.height, hello.views ?? 1, hello.quality, resume, true, false),
+    Hello.createHello(
+      builder,
+      client,
+      hello.width,
+      hello.height,
+      hello.views ?? 1,
+      hello.quality,
+      resume,
+      true, // PNG is read
+      false,
+      hello.drawHz ?? 0,
+    ),
   );
 }
 

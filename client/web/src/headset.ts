@@ -1,7 +1,8 @@
 // A WebXR session. It asks the server for pictures with the headset's pose, eye separation and projections. At every
 // frame of the headset's display it draws each eye's newest picture, turned to where that eye looks now. With layers it
 // asks for one picture from between the eyes, and redraws it as each eye sees it from where it is now. Poses are asked
-// for where the head will be when their pictures are seen.
+// for where the head will be when their pictures are seen. Where the page draws by itself, each eye sees the medium as
+// it is now.
 import { add, length, orientation, scale, subtract } from './camera';
 import type { LayerBitmaps, Surface } from './picture';
 import { conjugate, covering, fromProjection, multiply, rotate, shaped, together, warp, widened } from './projection';
@@ -11,6 +12,8 @@ import type { Command, Frame, Quat, Vec3 } from './protocol';
 import { Fade } from './fade';
 import { Hands } from './headset-hands';
 import type { HandsHost } from './headset-hands';
+import { LitMedium } from './lit-medium';
+import type { Drawable } from './lit-stream';
 import { coverBy } from './program';
 import type { Area } from './program';
 import { Predictor, headGoesOn } from './predict';
@@ -25,6 +28,7 @@ import { Warp, watchContext } from './warp';
 export type HeadsetMode = 'vr' | 'ar';
 
 export interface HeadsetPlace extends ViewingHost {
+  readonly drawing: ViewingHost['drawing'] & { at(now: number): Drawable | undefined };
   readonly mayPush: boolean;
   readonly latencyMs: number; // from a pose to its picture; 0: not known
 }
@@ -79,10 +83,22 @@ function redrawOf(gl: WebGL2RenderingContext, mode: HeadsetMode): Redraw | undef
   }
 }
 
+// Undefined: this browser cannot draw the medium by itself, or may not: what is drawn here hides the wearer's room.
+function mediumOf(gl: WebGL2RenderingContext, mode: HeadsetMode): LitMedium | undefined {
+  try {
+    return mode === 'vr' ? new LitMedium(gl) : undefined;
+  } catch (error) {
+    console.error('brume: the medium cannot be drawn here:', error);
+    return undefined;
+  }
+}
+
 export class Headset implements Surface {
   // For tests: number of display frames drawn, and the last pose that was asked for.
   drawn = 0;
   asked: PoseWish | undefined;
+  readonly draws: boolean; // true: it can draw the medium by itself
+  private medium: LitMedium | undefined; // undefined also while the graphics context is lost
   private frame: Frame | undefined;
   private readonly fade = new Fade();
   private layered = false; // true: `redraw` has the frame's layers
@@ -102,7 +118,10 @@ export class Headset implements Surface {
     readonly mode: HeadsetMode,
     private readonly events: HeadsetEvents,
     private readonly base: Head,
-  ) {}
+  ) {
+    this.medium = mediumOf(gl, mode);
+    this.draws = this.medium !== undefined;
+  }
 
   // Starts a session, upright, at the page's camera. To be called in the handler of a click: browsers start a session
   // from nothing else. Throws an Error whose message says in one line why there is none.
@@ -177,6 +196,7 @@ export class Headset implements Surface {
   show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
     const [picture, of, told] = [bitmaps[0], layers[0], frame.layers?.[0]];
     const before = this.layered;
+    this.place.drawing.yield();
     this.layered = this.redraw !== undefined && told !== undefined && hasParts(told) && of !== undefined;
     if (this.layered && picture && of && told) this.redraw?.take(picture, of, told, viewOf(frame, 0, 0));
     this.fade.begin(before && this.layered, performance.now());
@@ -197,7 +217,7 @@ export class Headset implements Surface {
   }
 
   private readonly lose = (): void => {
-    this.warp = this.frame = undefined;
+    this.warp = this.frame = this.medium = undefined;
     this.layered = false;
   };
 
@@ -208,6 +228,7 @@ export class Headset implements Surface {
       this.layer = layerOf(this.session, this.gl, this.mode);
       await this.session.updateRenderState({ baseLayer: this.layer });
       this.warp = new Warp(this.gl);
+      this.medium = mediumOf(this.gl, this.mode);
       if (this.redraw) this.redraw = redrawOf(this.gl, this.mode);
       this.place.again();
     } catch (error) {
@@ -234,15 +255,18 @@ export class Headset implements Surface {
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clearColor(0, 0, 0, this.mode === 'ar' ? 0 : 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    if (!frame) return;
+    const moment = this.medium && this.place.drawing.at(performance.now());
+    if (moment) this.medium?.take(moment);
+    else if (!frame) return;
     const part = this.fade.part(performance.now());
     shown.forEach(({ view, seen }, eye) => {
       const at = layer.getViewport(view);
       if (!at) return;
       const area = { framebuffer: layer.framebuffer, x: at.x, y: at.y, width: at.width, height: at.height };
+      if (moment) return this.medium?.draw(seen, area);
       if (part < 1 && this.redraw?.drawBefore(seen, area)) coverBy(gl, part);
       if (this.layered) this.redraw?.draw(seen, area);
-      else if (this.mode === 'vr') this.drawFlat(painter, frame, eye, seen, area);
+      else if (frame && this.mode === 'vr') this.drawFlat(painter, frame, eye, seen, area);
       coverBy(gl, 1);
     });
     this.drawn += 1;

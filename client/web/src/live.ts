@@ -8,7 +8,7 @@ export interface Seen {
   paused: boolean;
   mayControl: boolean; // true: this viewer may resume
   touch: boolean; // true: there is no keyboard
-  frame: (Size & { quality: number; reduced?: 'link' | 'device' }) | undefined; // the newest, one eye
+  frame: (Size & { quality: number; reduced?: 'link' | 'device' }) | undefined; // the newest, one eye, if it is shown
   asked: Size; // of one eye
   limit: number; // pixels of one eye that the server draws at most, whatever is asked for
   relaxed: number; // steps of accuracy given up under overload
@@ -17,6 +17,9 @@ export interface Seen {
   // yes: pictures are redrawn here from layers with depth. unasked: though nobody chose that. missing: they are to be,
   // and come without layers. no: neither.
   redrawn: 'yes' | 'unasked' | 'missing' | 'no';
+  drawnHere: boolean; // true: what is shown is drawn here
+  // Why the server cannot let this page draw, one line; absent: it can, or was not asked. `asked`: by hand.
+  notDrawable?: { why: string; asked: boolean };
 }
 
 export const LINK_QUALITY = 45; // on a slow link the JPEG quality goes down to 40 before the size does
@@ -40,21 +43,29 @@ export function lack(seen: Seen): string | undefined {
     const busy = relaxed > 0 && frame.quality > LINK_QUALITY;
     return `${frame.width}×${frame.height}: ${why(busy)}`;
   }
-  const rare = redrawn === 'yes' || redrawn === 'unasked' ? RARE_REDRAWN : RARE;
+  const rare = seen.drawnHere || redrawn === 'yes' || redrawn === 'unasked' ? RARE_REDRAWN : RARE;
   if (rate !== undefined && rate < rare) {
     const busy = seen.serverMs > 500 / rare; // most of the time between two pictures
-    return `${rate.toFixed(rate < 1 ? 1 : 0)} pictures/s: ${why(busy)}`;
+    return `${rate.toFixed(rate < 1 ? 1 : 0)} ${seen.drawnHere ? 'updates' : 'pictures'}/s: ${why(busy)}`;
   }
   if (relaxed > 0) return 'Accuracy reduced: the server is busy';
   if (frame && frame.width * frame.height < SMALLER * wanted)
     return `${frame.width}×${frame.height}: the server’s limit`;
+  if (seen.notDrawable?.asked) return `Not drawn here: ${seen.notDrawable.why}`;
   if (redrawn === 'missing') return 'No layers with depth: this way of rendering has none';
   return undefined;
 }
 
 // What is said while nothing is missing.
-export const liveText = (redrawn: Seen['redrawn']): string =>
-  redrawn === 'unasked' ? 'Live, redrawn here between pictures' : 'Live';
+export function liveText({
+  drawnHere,
+  notDrawable,
+  redrawn,
+}: Pick<Seen, 'drawnHere' | 'notDrawable' | 'redrawn'>): string {
+  if (drawnHere) return 'Live, drawn here';
+  if (notDrawable) return `Live, not drawn here: ${notDrawable.why}`;
+  return redrawn === 'unasked' ? 'Live, redrawn here between pictures' : 'Live';
+}
 
 // Says what was the same so many times in a row, so that a picture that is small for a moment makes no stir. What is
 // said at once is also taken back at once.

@@ -1,9 +1,11 @@
 // The page around the view: settings, statistics, notices, tools and keys.
 import { reprojectionOf } from './viewing';
 import { BrumeView, defineBrumeView } from './brume-view';
+import { compare } from './compare';
 import { onKeys } from './controls';
 import type { Mode } from './controls';
 import { find, setPressed, setText } from './dom';
+import { drawWishOf } from './draw-choice';
 import { Age } from './handle';
 import { Handles } from './handles';
 import { headsetSupported } from './headset';
@@ -17,6 +19,7 @@ import { Notices } from './notices';
 import { Overlay } from './overlay';
 import { buildPanel } from './panel';
 import { placeOf } from './place';
+import { shownError } from './plan';
 import type { Report } from './report';
 import { mayOperate, takeToken } from './role';
 import { sentence } from './sentence';
@@ -56,6 +59,7 @@ view.addEventListener('picture', ({ detail: { frame, latency } }) => {
   if (latency) overlay.sample(latency);
   notices.picture();
 });
+view.addEventListener('drawn', () => notices.picture());
 let sceneName: string | undefined;
 let elements: Values[][] = []; // of the scene's lists, as last reported
 let age = new Age(); // of those
@@ -73,7 +77,8 @@ view.addEventListener('scenechange', ({ detail: scene }) => {
     elements = (viewer().welcome?.lists ?? []).map((list, i) => elementsOf(list, scene.lists?.[i] ?? []));
   age.report(scene.tick, paused(), scene.lists !== undefined);
   panel.lists(elements);
-  panel.follow(values, scene.plan, statistics.lastFrame?.measured, settingsBack().length > 0);
+  const error = statistics.last?.measured && shownError(statistics.last, scene.plan);
+  panel.follow(values, scene.plan, error, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
   notices.standstill(scene.standstill);
   tellLack();
@@ -94,6 +99,7 @@ function attributes(): Record<string, string | undefined> {
     size: cap && `${cap.width}x${cap.height}`,
     eyes: settings.eyes,
     reproject: settings.reprojection,
+    draw: settings.draw,
     predict: settings.predict ? '' : undefined,
     box: settings.box ? '' : undefined,
     view: settings.view,
@@ -231,6 +237,9 @@ const panel = buildPanel(
     setQuality: (quality) => change({ quality }),
     setEyes: (eyes) => change({ eyes: eyes === 'side' ? 'side' : 'one' }),
     setReprojection: (way) => change({ reprojection: reprojectionOf(way) }),
+    setDraw: (wish) => change({ draw: drawWishOf(wish) }),
+    compare: () =>
+      void compare(viewer(), token).catch((error: unknown) => notices.note(sentence(String(error)), 'error')),
     setPredict: (predict) => change({ predict }),
     setBox: (box) => change({ box }),
     setView: (view) => change({ view }),
@@ -244,7 +253,7 @@ const panel = buildPanel(
 );
 const handles = new Handles(find('handles'), {
   handles: () =>
-    viewer().linkState === 'connected' ? panel.handles(age.at(viewer().statistics.lastFrame?.tick ?? 0n)) : [],
+    viewer().linkState === 'connected' ? panel.handles(age.at(viewer().statistics.last?.tick ?? 0n)) : [],
   eye: () => {
     const { viewing, fovY, headset } = viewer();
     return viewing.shown && viewing.parts === 1 && !headset ? { ...viewing.shown, fovY } : undefined;
@@ -259,8 +268,9 @@ const steady = new Steady();
 let countedFrom = 0; // ms; pictures come without a break since then
 
 function tellLack(): void {
-  const { scene, size, limit, statistics, headset, mayControl, linkState } = viewer();
-  const [now, frame] = [performance.now(), statistics.lastFrame];
+  const { scene, size, limit, statistics, headset, mayControl, linkState, drawing, viewing } = viewer();
+  const { last } = statistics;
+  const [now, frame] = [performance.now(), last?.kind === 'frame' ? last : undefined];
   const standing = scene?.standstill !== undefined;
   if (standing || paused() || document.hidden || linkState !== 'connected') countedFrom = now;
   const seen = {
@@ -269,10 +279,14 @@ function tellLack(): void {
     relaxed: scene?.plan?.relaxed ?? 0,
     rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
     serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
-    redrawn: viewer().viewing.redrawn,
+    redrawn: viewing.redrawn,
+    drawnHere: drawing.shown,
+    ...(scene?.notDrawable !== undefined && drawing.asked
+      ? { notDrawable: { why: scene.notDrawable, asked: settings.draw === 'client' } }
+      : {}),
   };
   const atOnce = standing || seen.paused || scene?.preparing !== undefined;
-  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce), liveText(seen.redrawn));
+  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce), liveText(seen));
 }
 
 function animate(): void {
@@ -282,15 +296,17 @@ function animate(): void {
 
 function refresh(): void {
   if (!view.viewer) return;
-  const { statistics, scene, welcome } = viewer();
+  const { statistics, scene, welcome, drawing } = viewer();
+  panel.drawn(drawing.shown);
   const now = performance.now();
   overlay.update({
-    fps: statistics.shownRate.perSecond(now),
+    fps: (drawing.shown ? drawing.rate : statistics.shownRate).perSecond(now),
     bytesPerSecond: statistics.byteRate.perSecond(now),
     roundTripMs: statistics.roundTripMs,
     latency: statistics.average.get(),
     percentiles: settings.stats ? statistics.percentiles() : undefined,
-    frame: statistics.lastFrame,
+    shown: statistics.last,
+    drawn: drawing.drawn,
     scene,
     welcome,
   });

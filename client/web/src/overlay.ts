@@ -2,10 +2,11 @@
 import { el, setText } from './dom';
 import { STAGES } from './latency';
 import type { Latency, Stage } from './latency';
-import { errorLine } from './plan';
+import type { Drawing } from './drawing';
+import { shownError } from './plan';
 import { PERCENTILES } from './statistics';
 import type { Percentiles } from './statistics';
-import type { Frame, SceneState, Welcome } from './protocol';
+import type { Frame, LitParticles, SceneState, Welcome } from './protocol';
 
 export interface OverlayData {
   fps: number;
@@ -13,7 +14,8 @@ export interface OverlayData {
   roundTripMs: number | undefined;
   latency: Readonly<Latency> | undefined;
   percentiles: Percentiles | undefined;
-  frame: Frame | undefined;
+  shown: Frame | LitParticles | undefined; // what is drawn here, or a picture
+  drawn: Drawing['drawn'];
   scene: SceneState | undefined;
   welcome: Welcome | undefined;
 }
@@ -64,7 +66,14 @@ export class Overlay {
       this.bar.append(part);
       this.stages.set(stage, { part, value });
     }
-    legend.append(el('div', { title: 'The device’s own time, part of render' }, el('dt', {}, 'gpu alone'), this.gpu));
+    legend.append(
+      el(
+        'div',
+        { title: 'The device’s own time, part of render; or this browser’s, where it draws' },
+        el('dt', {}, 'gpu alone'),
+        this.gpu,
+      ),
+    );
     const facts = el('dl', { class: 'facts' });
     for (const name of [
       'input to picture',
@@ -118,15 +127,18 @@ export class Overlay {
     }
     const total = spread('total');
     this.fact('input to picture', total && `${total} ms`);
-    const { scene, frame, welcome } = data;
-    setText(this.gpu, frame ? ms(frame.stages.gpu) : '–');
-    this.fact('tick', scene && (frame ?? scene).tick.toLocaleString('en'));
+    const { scene, shown, drawn, welcome } = data;
+    const frame = shown?.kind === 'frame' ? shown : undefined;
+    const gpu = frame ? frame.stages.gpu : drawn?.gpuMs;
+    setText(this.gpu, gpu === undefined ? '–' : ms(gpu));
+    this.fact('tick', scene && (shown ?? scene).tick.toLocaleString('en'));
     this.fact('viewers', scene && String(scene.viewers));
     this.fact('particles', scene && scene.particles.toLocaleString('en'));
     this.fact('method', scene?.plan && (scene.plan.text || scene.plan.method));
-    const error = errorLine(frame?.measured, scene?.plan);
+    const error = shownError(shown, scene?.plan);
     this.fact('error', error?.text, error?.broken);
-    this.fact('picture', frame && `${frame.width}×${frame.height} q${frame.quality}`);
+    const here = drawn && `drawn here, ${drawn.proxies.toLocaleString('en')} particles, ${drawn.rays} rays`;
+    this.fact('picture', frame ? `${frame.width}×${frame.height} q${frame.quality}` : here);
     this.fact('stream', formatBytes(data.bytesPerSecond));
     this.fact('round trip', data.roundTripMs === undefined ? undefined : `${ms(data.roundTripMs)} ms`);
     this.fact('device', welcome?.device);

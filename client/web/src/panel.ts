@@ -6,8 +6,9 @@ import { button, group, select, toggle } from './fields';
 import type { Choosable } from './handle';
 import { listGroup } from './lists';
 import type { ListGroup } from './lists';
-import { errorLine, planText } from './plan';
-import type { Command, Measured, Plan, SettingValue, Welcome } from './protocol';
+import { planText } from './plan';
+import type { ErrorLine } from './plan';
+import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
 import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
@@ -26,6 +27,8 @@ export interface PanelHost {
   setQuality(quality: number): void;
   setEyes(eyes: string): void;
   setReprojection(way: string): void;
+  setDraw(wish: string): void;
+  compare(): void; // what is drawn here with the server's picture
   setPredict(on: boolean): void;
   setBox(on: boolean): void;
   setView(view: View): void;
@@ -39,7 +42,9 @@ export interface PanelHost {
 export interface Panel {
   welcome(welcome: Welcome, cap: number | undefined): void;
   // `changed`: true if a setting that this viewer may change is not as the scene began.
-  follow(values: Values, inUse: Plan | undefined, measured: Measured | undefined, changed: boolean): void;
+  // `error`: of what is shown, if it is measured.
+  follow(values: Values, inUse: Plan | undefined, error: ErrorLine | undefined, changed: boolean): void;
+  drawn(here: boolean): void; // whether what is shown is drawn here
   follows(own: Settings): void; // what is this viewer's own
   lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
   handles(age: number): Choosable[]; // of the lists that are open; `age`: of what was told of them, s
@@ -124,6 +129,15 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     { value: 'layers', text: 'Turns and moves, by layers with depth' },
   ]);
   reprojection.follow(chosen.reprojection);
+  const draw = select('Drawing', (value) => host.setDraw(value));
+  draw.options([
+    { value: 'auto', text: 'Automatic' },
+    { value: 'client', text: 'Here, by this device' },
+    { value: 'server', text: 'By the server' },
+  ]);
+  draw.follow(chosen.draw);
+  const compare = button('Compare', 'What is drawn here beside the server’s picture', () => host.compare());
+  compare.hidden = true;
   const predict = select('Prediction', (value) => host.setPredict(value === 'on'));
   predict.options([
     { value: 'off', text: 'Off' },
@@ -167,6 +181,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       quality.element,
       eyes.element,
       reprojection.element,
+      draw.element,
+      el('div', { class: 'actions' }, compare),
       predict.element,
       box.element,
       view.element,
@@ -199,10 +215,10 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       irradiance = values.get(IRRADIANCE);
       sayView();
       setText(plan, planText(values.get('render.method') as string | undefined, inUse));
-      const line = error && errorLine(error, inUse);
-      setText(measured, line ? `measured ${line.text}` : '');
-      measured.classList.toggle('broken', line?.broken ?? false);
+      setText(measured, error ? `measured ${error.text}` : '');
+      measured.classList.toggle('broken', error?.broken ?? false);
     },
+    drawn: (here) => (compare.hidden = !here),
     follows: (own) => {
       box.follow(own.box);
       view.follow(own.view);

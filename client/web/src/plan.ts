@@ -1,5 +1,5 @@
 // The method and settings that the server renders with, and the error of its pictures, each in one line of text.
-import type { Measured, Plan } from './protocol';
+import type { Frame, LitParticles, Measured, Plan } from './protocol';
 
 // A percentage with two digits: 0.3 %, 1.5 %, 12 %.
 const percent = (part: number): string => `${Number((100 * part).toPrecision(2))} %`;
@@ -19,6 +19,12 @@ export function planText(asked: string | undefined, plan: Plan | undefined): str
 export interface ErrorLine {
   text: string;
   broken: boolean;
+}
+
+// Of what is shown: the server's picture, or what is drawn here, whose error the server's plan does not say.
+export function shownError(shown: Frame | LitParticles | undefined, plan: Plan | undefined): ErrorLine | undefined {
+  if (shown?.kind !== 'lit') return errorLine(shown?.measured, plan);
+  return errorLine(shown.measured, plan && { ...plan, error: shown.predicted ?? 1 });
 }
 
 // What is measured, or else what is predicted. Undefined: neither is known.

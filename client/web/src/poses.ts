@@ -11,6 +11,8 @@ import type { View } from './views';
 
 // A still camera sends its pose again this often: the latency shown is then never older.
 const REFRESH_MS = 500;
+// A page that draws by itself tells where it looks this seldom: the server measures errors there.
+const DRAWING_MS = 200;
 
 export interface PosesHost {
   readonly camera: Camera;
@@ -22,6 +24,7 @@ export interface PosesHost {
   readonly headset: { readonly asked: PoseWish | undefined } | undefined;
   readonly latencyMs: number; // from a pose to its picture; 0: not known
   readonly hidden: boolean; // true: nobody sees the pictures
+  readonly drawing: { readonly shown: boolean };
 }
 
 export class Poses {
@@ -29,6 +32,7 @@ export class Poses {
   // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
   // pose with the same numbers, since the server draws a still picture only once.
   private sent: { camera: Camera; size: Size; view: View; at: number; pose: number; said: string } | undefined;
+  private headAt = -Infinity; // ms, when the last pose of a headset was sent
   private readonly predictor = new Predictor(cameraGoesOn);
 
   constructor(private readonly host: PosesHost) {}
@@ -51,11 +55,12 @@ export class Poses {
 
   // To be called once per animation frame.
   follow(now: number): void {
-    const { camera, size, wishes, link } = this.host;
+    const { camera, size, wishes, link, drawing } = this.host;
     this.predictor.add(now, camera);
     const { sent } = this;
     const changed = sent?.size !== size || sent.view !== wishes.view || !same(sent.camera, camera);
-    const due = changed || now - sent.at > REFRESH_MS;
+    const apart = !changed ? REFRESH_MS : drawing.shown ? DRAWING_MS : 0;
+    const due = sent === undefined || now - sent.at >= apart;
     if (due && link.connected) this.ask(now);
   }
 
@@ -70,6 +75,13 @@ export class Poses {
     const said = numbers.map(Math.fround).join() + wishes.view;
     const pose = this.sent?.said === said ? this.sent.pose : link.lastPose;
     this.sent = { camera, size, view: wishes.view, at: now, pose, said };
+  }
+
+  // A pose of a headset, which has one at each of its display's pictures.
+  askFor(wish: PoseWish, now: number): void {
+    if (this.host.drawing.shown && now - this.headAt < DRAWING_MS) return;
+    this.headAt = now;
+    this.send(wish);
   }
 
   // `waited`: ms since the input that moved the camera there. Returns false if it could not be sent.

@@ -13,6 +13,7 @@ export interface HelloMessage {
   views?: 1 | 2; // 2 for left and right eye
   quality: number; // JPEG, 0 = the server's own
   resume?: string; // Welcome.resume of a connection that was lost
+  drawHz?: number; // 1 ... 60: the page draws by itself, from so many messages a second; left out or 0: it does not
 }
 
 // Tangents of the angles from the view axis to a picture's sides, positive toward the side that is named.
@@ -115,6 +116,7 @@ export interface SceneState {
   lists?: number[][]; // of the elements of each of Welcome.lists; absent: as before
   preparing?: string; // name of another scene that is being made ready to be shown; absent: none is
   standstill?: string; // why no tick comes at present, one line; absent: ticks come
+  notDrawable?: string; // why viewers cannot draw this scene by themselves, one line; absent: they can
 }
 
 export interface Plan {
@@ -176,6 +178,53 @@ export interface Frame {
   layers?: DepthLayers[]; // of each view, where the pose asked for them
 }
 
+// Channels in which the medium's extinction is the same.
+export interface Hue {
+  channels: number; // bits of red (1), green (2) and blue (4)
+  extinction: number; // factor on the particles' extinction
+}
+
+export interface LitObject {
+  kind: number; // 0: plane, 1: box, 2: sphere
+  centre: Vec3;
+  halfSize: Vec3; // as in brume.fbs
+  yaw: number;
+  albedo: Vec3;
+}
+
+// The medium as it is lit, to be drawn here (brume.fbs has what each number is).
+export interface LitParticles {
+  kind: 'lit';
+  id: number;
+  tick: bigint;
+  stateHash: bigint;
+  number: number;
+  reference: number; // 0: there is none
+  first: bigint; // id of the first particle
+  count: number;
+  present: number; // below 2 ^ 50
+  origin: Vec3;
+  step: number;
+  falloff: number;
+  toLight: Vec3;
+  irradiance: Vec3;
+  phase: readonly number[]; // 4
+  ambient: Vec3;
+  hues: Hue[]; // each channel is in one of them
+  straight: Vec3;
+  meanCosine: number;
+  zenith: Vec3;
+  horizon: Vec3;
+  haze: number;
+  exposure: number;
+  filmic: boolean;
+  objects: LitObject[];
+  predicted?: number; // relative RMSE; absent: not known
+  measured?: Measured; // absent: not known
+  ageMs: number; // since the server took the tick
+  bytes: Uint8Array<ArrayBuffer>; // of columns, packed
+}
+
 export interface ErrorMessage {
   kind: 'error';
   code: number;
@@ -187,6 +236,7 @@ export type ServerMessage =
   | Welcome
   | SceneState
   | Frame
+  | LitParticles
   | ErrorMessage
   | { kind: 'ping' | 'pong'; nonce: number; timeUs: bigint }
   | { kind: 'goodbye'; reason: string; retryAfterS: number; goTo: string };

@@ -2,6 +2,7 @@
 // <brume-view>.
 import type { Camera } from './camera';
 import type { LinkState } from './connection';
+import type { Drawing } from './drawing';
 import type { Headset } from './headset';
 import type { SceneState, Welcome } from './protocol';
 import type { Values } from './shared-settings';
@@ -13,6 +14,7 @@ import type { Viewing } from './viewing';
 interface Sources {
   readonly statistics: Statistics;
   readonly viewing: Viewing;
+  readonly drawing: Drawing;
   readonly linkState: LinkState['name'];
   readonly welcome: Welcome | undefined;
   readonly sentPose: number | undefined;
@@ -34,10 +36,10 @@ export function report(of: Sources) {
       return of.welcome?.viewer;
     },
     get tick() {
-      return statistics.lastFrame && Number(statistics.lastFrame.tick);
+      return statistics.last && Number(statistics.last.tick);
     },
     get stateHash() {
-      return statistics.lastFrame && hash(statistics.lastFrame.stateHash);
+      return statistics.last && hash(statistics.last.stateHash);
     },
     get frames() {
       return statistics.frames;
@@ -104,6 +106,23 @@ export function report(of: Sources) {
     },
     get reprojection() {
       return viewing.reprojection;
+    },
+    // Who draws what is shown.
+    get drawing(): 'client' | 'server' {
+      return of.drawing.shown ? 'client' : 'server';
+    },
+    // Of what is drawn here; undefined: the server's pictures are shown. gpuMs: undefined where it is not known.
+    get drawn() {
+      const { drawn, newest } = of.drawing;
+      return (
+        drawn &&
+        newest && {
+          ...drawn,
+          ageMs: newest.ageMs,
+          predicted: newest.predicted,
+          measured: newest.measured && { ...newest.measured },
+        }
+      );
     },
     // The pose that the screen shows now, and the one that its picture was made for.
     get shown() {

@@ -1,4 +1,6 @@
 // The viewer's own settings. The browser keeps them between visits; without storage the defaults hold.
+import { DRAW_WISHES } from './draw-choice';
+import type { DrawWish } from './draw-choice';
 import { SIZE_CAPS } from './size';
 import { EYES, REPROJECTIONS } from './viewing';
 import type { Eyes, ReprojectionWish } from './viewing';
@@ -12,6 +14,7 @@ export interface Settings {
   panel: boolean;
   eyes: Eyes;
   reprojection: ReprojectionWish;
+  draw: DrawWish;
   box: boolean; // true: the medium's box and a scale are drawn over the picture
   view: View; // not kept between visits
   predict: boolean; // true: poses are predicted for the time when their pictures are seen
@@ -22,7 +25,7 @@ const KEY = 'brume';
 export function loadSettings(): Settings {
   const settings: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'auto', predict: false, box: false, view: 'picture' },
+    ...{ eyes: 'one', reprojection: 'auto', draw: 'auto', predict: false, box: false, view: 'picture' },
   };
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? '{}') as Partial<Record<keyof Settings, unknown>>;
@@ -34,6 +37,7 @@ export function loadSettings(): Settings {
     if (typeof stored.predict === 'boolean') settings.predict = stored.predict;
     settings.eyes = EYES.find((eyes) => eyes === stored.eyes) ?? settings.eyes;
     settings.reprojection = REPROJECTIONS.find((way) => way === stored.reprojection) ?? settings.reprojection;
+    settings.draw = DRAW_WISHES.find((wish) => wish === stored.draw) ?? settings.draw;
   } catch {
     // No storage, or no valid content: the defaults hold.
   }
@@ -42,9 +46,9 @@ export function loadSettings(): Settings {
 
 const SIZES = SIZE_CAPS.map(({ width, height }) => `${width}x${height}`);
 
-// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&predict=1&box=1&size=1280x720
-// &quality=90&view=depth. What cannot be used is left as it was; for each of these a sentence is returned that says
-// what is allowed.
+// Overrides stored settings by those of the page's address: ?eyes=side&reproject=plane&draw=client&predict=1&box=1
+// &size=1280x720&quality=90&view=depth. What cannot be used is left as it was; for each of these a sentence is returned
+// that says what is allowed.
 export function followAddress(settings: Settings, address: string): string[] {
   const asked = new URLSearchParams(address);
   const faults: string[] = [];
@@ -57,6 +61,7 @@ export function followAddress(settings: Settings, address: string): string[] {
   };
   take('eyes', EYES, (_, index) => (settings.eyes = EYES[index] ?? settings.eyes));
   take('reproject', REPROJECTIONS, (_, i) => (settings.reprojection = REPROJECTIONS[i] ?? settings.reprojection));
+  take('draw', DRAW_WISHES, (_, i) => (settings.draw = DRAW_WISHES[i] ?? settings.draw));
   take('predict', ['0', '1'], (text) => (settings.predict = text === '1'));
   take('box', ['0', '1'], (text) => (settings.box = text === '1'));
   take('view', VIEWS, (_, index) => (settings.view = VIEWS[index] ?? settings.view));
@@ -71,10 +76,11 @@ export function followAddress(settings: Settings, address: string): string[] {
 
 // The same as parameters of an address; those that are as in a new browser are left out.
 export function settingsText(settings: Settings): [name: string, value: string][] {
-  const { eyes, reprojection, predict, box, cap, quality, view } = settings;
+  const { eyes, reprojection, draw, predict, box, cap, quality, view } = settings;
   const all: [string, string, boolean][] = [
     ['eyes', eyes, eyes !== 'one'],
     ['reproject', reprojection, reprojection !== 'auto'],
+    ['draw', draw, draw !== 'auto'],
     ['predict', '1', predict],
     ['box', '1', box],
     ['size', SIZES[cap ?? -1] ?? '', cap !== undefined],

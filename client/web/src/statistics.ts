@@ -1,7 +1,7 @@
 // What this page measures: frame rates, latencies, and which ticks its frames showed.
 import { LatencyAverage, LatencyWindow, Rate, splitLatency } from './latency';
 import type { Latency, Presented } from './latency';
-import type { Frame } from './protocol';
+import type { Frame, LitParticles } from './protocol';
 
 const RECENT_TICKS = 240;
 const REMEMBERED_POSES = 256; // more than can be waiting for a frame
@@ -14,6 +14,7 @@ export const hash = (value: bigint): string => value.toString(16).padStart(16, '
 export class Statistics {
   frames = 0;
   lastFrame: Frame | undefined;
+  lastDrawn: LitParticles | undefined; // of what was drawn here since the last frame
   lastLatency: Latency | undefined;
   roundTripMs: number | undefined;
   answeredPose = 0; // number of the newest pose that a frame has shown
@@ -48,15 +49,34 @@ export class Statistics {
   presented(frame: Frame, at: Presented): Latency | undefined {
     this.frames += 1;
     this.lastFrame = frame;
+    this.lastDrawn = undefined;
     this.shownRate.add(at.presented);
-    this.recent.push({ tick: Number(frame.tick), hash: hash(frame.stateHash) });
-    if (this.recent.length > RECENT_TICKS) this.recent.shift();
+    this.remember(frame);
     if (frame.poseSeq <= this.answeredPose) return undefined;
     this.answeredPose = frame.poseSeq;
     this.lastLatency = splitLatency(frame, at, this.inputs.get(frame.poseSeq));
     this.average.add(this.lastLatency);
     this.window.add(this.lastLatency);
     return this.lastLatency;
+  }
+
+  // Particles came, from which the page draws.
+  drawn(message: LitParticles, now: number): void {
+    if (!this.lastDrawn) this.average.reset(); // no picture is waited for
+    this.frames += 1;
+    this.lastDrawn = message;
+    this.shownRate.add(now);
+    this.remember(message);
+  }
+
+  // What is shown: a frame, or particles.
+  get last(): Frame | LitParticles | undefined {
+    return this.lastDrawn ?? this.lastFrame;
+  }
+
+  private remember({ tick, stateHash }: Frame | LitParticles): void {
+    this.recent.push({ tick: Number(tick), hash: hash(stateHash) });
+    if (this.recent.length > RECENT_TICKS) this.recent.shift();
   }
 
   percentiles(): Percentiles | undefined {

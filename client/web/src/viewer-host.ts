@@ -1,7 +1,7 @@
 // What a viewer needs of the page around it, and what it is asked for.
 import type { LinkState } from './connection';
 import type { Latency } from './latency';
-import type { Frame, SceneState, Welcome } from './protocol';
+import type { Frame, LitParticles, SceneState, Welcome } from './protocol';
 import type { Place } from './place';
 import type { Size } from './size';
 import type { View } from './views';
@@ -20,6 +20,7 @@ export interface ViewerEvents {
   welcome(welcome: Welcome): void;
   scene(scene: SceneState): void;
   picture(frame: Frame, latency: Latency | undefined): void; // latency: of the first frame of its pose
+  drawn(message: LitParticles): void; // particles came, from which this page draws
   note(text: string, kind: 'info' | 'error'): void;
   changed(): void; // mode, pushing or headset
   touched(): void; // the camera was moved by hand, or the picture pressed

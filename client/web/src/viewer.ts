@@ -7,7 +7,9 @@ import type { Camera } from './camera';
 import { Connection } from './connection';
 import type { LinkState } from './connection';
 import { Controls } from './controls';
-import type { ControlsHost, Mode } from './controls';
+import type { Mode } from './controls';
+import type { DrawWish } from './draw-choice';
+import { Drawing } from './drawing';
 import { Headset } from './headset';
 import type { HeadsetMode } from './headset';
 import type { Latency } from './latency';
@@ -25,6 +27,7 @@ import type { Size } from './size';
 import { Statistics } from './statistics';
 import { firstCamera, placed } from './place';
 import type { Place } from './place';
+import { controlsHost, drawingHost } from './viewer-parts';
 import { Viewing } from './viewing';
 import type { Eyes, ReprojectionWish } from './viewing';
 import type { Stage, ViewerEvents, Wishes } from './viewer-host';
@@ -41,6 +44,7 @@ export class Viewer {
   readonly viewing: Viewing;
   readonly report: Report;
   readonly link: Connection;
+  readonly drawing: Drawing;
   welcome: Welcome | undefined;
   scene: SceneState | undefined;
   values: Values = new Map(); // of the scene's settings, as last reported
@@ -95,7 +99,7 @@ export class Viewer {
         hello: () => {
           this.helloSize = this.size;
           const views = this.headset?.views ?? this.viewing.views;
-          return { client: CLIENT, ...this.size, views, quality: this.wishes.quality };
+          return { client: CLIENT, ...this.size, views, quality: this.wishes.quality, drawHz: this.drawing.hello() };
         },
         state: (state) => {
           const again = this.linkState === 'connected';
@@ -110,9 +114,16 @@ export class Viewer {
       },
       this.ending.signal,
     );
+    this.drawing = new Drawing(drawingHost(this, events));
     // Pushes that are made without a connection are lost.
     const pusher = new Pusher((impulse) => void this.link.sendInput(impulse));
-    this.controls = new Controls(surface, stage.keys, this.controlsHost(), pusher, this.ending.signal);
+    this.controls = new Controls(
+      surface,
+      stage.keys,
+      controlsHost(this, this.poses, events),
+      pusher,
+      this.ending.signal,
+    );
     // The server draws nothing for a page that is hidden, or a view that is scrolled away. Animation frames, which send
     // the other poses, stop in a hidden page, too.
     this.visibility = new Visibility(() => this.link.connected && this.poses.ask(performance.now()));
@@ -184,7 +195,7 @@ export class Viewer {
   // Pictures a second; undefined unless the medium moves and somebody looks.
   private expectedRate(now: number): number | undefined {
     const moves = this.scene !== undefined && !this.scene.standstill && this.values.get(PAUSED) !== 1;
-    const looked = this.link.connected && this.inSight && !this.headset;
+    const looked = this.link.connected && this.inSight && !this.headset && !this.drawing.shown;
     return moves && looked ? this.statistics.shownRate.perSecond(now) : undefined;
   }
 
@@ -216,8 +227,14 @@ export class Viewer {
   }
 
   again(): void {
+    this.drawing.lose();
     this.resize();
     this.picture.again();
+  }
+
+  // Chooses who draws, which is part of the hello.
+  chooseDraw(wish: DrawWish): void {
+    this.drawing.choice.choose(wish);
   }
 
   setQuality(quality: number): void {
@@ -247,7 +264,7 @@ export class Viewer {
     if (this.headset) return this.headset.end();
     try {
       this.headset = await Headset.start(this, mode, this.viewing.wantsLayers, {
-        ask: (wish) => void this.poses.send(wish),
+        ask: (wish) => this.poses.askFor(wish, performance.now()),
         push: (command) => void this.link.sendInput(command),
         asksForBoth: () => this.link.connected && this.link.reopen(),
         beforeFrame: () => this.picture.draw(),
@@ -281,36 +298,6 @@ export class Viewer {
     return this.stage.canvas.clientWidth / Math.max(1, this.stage.canvas.clientHeight);
   }
 
-  private controlsHost(): ControlsHost {
-    const viewer = this;
-    return {
-      get camera() {
-        return viewer.camera;
-      },
-      set camera(value) {
-        viewer.camera = value;
-        viewer.poses.moved();
-      },
-      get mode() {
-        return viewer.mode;
-      },
-      get fovY() {
-        return viewer.fovY;
-      },
-      get pushing() {
-        return viewer.pushing;
-      },
-      get mayPush() {
-        return viewer.mayPush;
-      },
-      get mayLook() {
-        return viewer.wishes.control !== 'none';
-      },
-      touched: () => this.events.touched(),
-      pushed: (active, x, y) => this.events.pushed(active, x, y),
-    };
-  }
-
   // `again`: true for another welcome on the same connection, which tells of another scene.
   private enter(greeting: Welcome, again: boolean): void {
     const { arrived, wishes, welcome } = this;
@@ -329,6 +316,7 @@ export class Viewer {
     this.statistics.reset();
     this.picture.clear();
     this.viewing.clear();
+    this.drawing.clear();
     const asked = this.helloSize.width * this.helloSize.height;
     const granted = greeting.width * greeting.height;
     this.limit = granted < 0.98 * asked ? granted : Infinity;
@@ -343,9 +331,13 @@ export class Viewer {
     this.statistics.byteRate.add(performance.now(), bytes);
     switch (message.kind) {
       case 'frame':
+        this.drawing.pictureCame();
         this.picture.show(message);
         this.followSpeed(message);
         if (this.viewing.asksForLayers) this.autoLayers.came(message.layers, performance.now());
+        break;
+      case 'lit':
+        this.drawing.receive(message);
         break;
       case 'scene':
         this.autoLayers.follow(message.plan?.method);
@@ -383,7 +375,10 @@ export class Viewer {
     this.controls.update(now, Math.min(0.1, Math.max(0, (now - this.before) / 1000)));
     this.before = now;
     this.autoLayers.look(now);
-    this.viewing.draw();
+    this.drawing.follow();
+    const moment = this.drawing.at(performance.now());
+    if (moment) this.viewing.drawMoment(moment, this.drawing, now);
+    else this.viewing.draw();
     this.drawBox();
     this.poses.follow(now);
   };

@@ -9,6 +9,8 @@ import type { Seen } from './live';
 import { meanDepth, rotate, shaped, symmetric, warp, widened } from './projection';
 import type { View } from './projection';
 import { hasParts } from './protocol';
+import type { Drawing } from './drawing';
+import type { Drawable } from './lit-stream';
 import type { Frame, PoseMessage, SceneState, Vec3 } from './protocol';
 import { coverBy } from './program';
 import type { Area } from './program';
@@ -63,12 +65,16 @@ function eyePosition(head: Vec3, turn: View['orientation'], eye: number, views: 
   return add(head, rotate(turn, [side * separation, 0, 0]));
 }
 
+type Pose = Omit<View, 'frustum'>;
+
 export interface ViewingHost {
   readonly camera: Camera; // the newest
   readonly fovY: number;
   readonly cap: Size;
   readonly scene: SceneState | undefined;
-  readonly wishes: { readonly view: Made }; // drawn in the picture's place
+  // view: drawn in the picture's place; cap: the most pixels that were asked for by hand.
+  readonly wishes: { readonly view: Made; readonly cap?: Size | undefined };
+  readonly drawing: { readonly shown: boolean; yield(): void };
   again(): void; // draws the newest picture once more: a graphics context was lost, or is back
 }
 
@@ -76,8 +82,9 @@ export class Viewing implements Surface {
   eyes: Eyes = 'one';
   wished: ReprojectionWish = 'auto';
   reprojection: Reprojection = 'off'; // of `wished`, as it is drawn now
-  // The pose that the screen shows, the frame that it was made of, and how much of that covers the one before: 0 ... 1.
-  shown: { position: Vec3; orientation: View['orientation']; made: Frame; part: number } | undefined;
+  // The pose that the screen shows, the one that its picture was made for, and how much of that covers the picture
+  // before: 0 ... 1.
+  shown: (Pose & { made: Pose; part: number }) | undefined;
   private readonly flat: Surface;
   private warp: Warp | undefined; // undefined also while the graphics context is lost
   private redraw: Redraw | undefined; // the same; and until layers are asked for
@@ -85,7 +92,8 @@ export class Viewing implements Surface {
   private gl: WebGL2RenderingContext | undefined;
   private frame: Frame | undefined; // the frame whose pictures are in the textures
   private readonly fade = new Fade();
-  private hardware: boolean | undefined; // drawsWithHardware(), once it was asked for
+  private drawnAs: readonly number[] = []; // of the moment that is on the canvas: all that it was drawn from
+  private hardware: boolean | undefined; // undefined: nobody asked yet
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -124,8 +132,7 @@ export class Viewing implements Surface {
   // Of automatic ones: with layers, or without. Returns false and changes nothing where that is not to be had.
   takeLayers(taken: boolean): boolean {
     if (this.wished !== 'auto') return false;
-    if (taken) this.hardware ??= drawsWithHardware();
-    return (!taken || this.hardware === true) && this.use(this.eyes, taken ? 'layers' : 'off');
+    return (!taken || this.hasHardware()) && this.use(this.eyes, taken ? 'layers' : 'off');
   }
 
   // Until the first picture for it the screen stays as it is.
@@ -157,19 +164,25 @@ export class Viewing implements Surface {
 
   // True: a headset should be drawn with layers, which hide how late its pictures are.
   get wantsLayers(): boolean {
-    if (this.wished === 'auto') this.hardware ??= drawsWithHardware();
-    return this.wished === 'layers' || (this.wished === 'auto' && this.hardware === true);
+    return this.wished === 'layers' || (this.wished === 'auto' && this.hasHardware());
+  }
+
+  // drawsWithHardware(), which is asked once.
+  hasHardware(): boolean {
+    return (this.hardware ??= drawsWithHardware());
   }
 
   // Whether pictures are redrawn from layers, for the status line (live.ts).
   get redrawn(): Seen['redrawn'] {
     const told = this.frame?.layers?.[0];
-    if (this.reprojection !== 'layers') return 'no';
+    if (this.reprojection !== 'layers' || this.host.drawing.shown) return 'no';
     if (told && !hasParts(told)) return 'missing';
     return this.wished === 'auto' ? 'unasked' : 'yes';
   }
 
   show(bitmaps: ImageBitmap[], frame: Frame, layers: LayerBitmaps[] = []): void {
+    this.host.drawing.yield();
+    this.drawnAs = [];
     this.warped.hidden = !this.warp || (this.eyes === 'one' && this.reprojection === 'off');
     if (!this.warp || this.warped.hidden) {
       this.frame = undefined;
@@ -194,32 +207,73 @@ export class Viewing implements Surface {
 
   // To be called once per animation frame, after Picture.draw().
   draw(): void {
-    const { frame, gl, warped } = this;
-    if (!this.warp || !gl || !frame || warped.hidden || gl.isContextLost()) return;
-    const [width, height] = [warped.clientWidth, warped.clientHeight].map((x) =>
-      Math.round(x * window.devicePixelRatio),
-    );
-    if (!width || !height) return;
-    if (warped.width !== width || warped.height !== height) Object.assign(warped, { width, height });
-    const { camera, fovY } = this.host;
+    const { frame, gl } = this;
+    if (!this.warp || !gl || !frame || this.warped.hidden || gl.isContextLost() || !this.fit()) return;
+    const { camera } = this.host;
     const still = this.reprojection === 'off';
     const position = still ? frame.position : camera.position;
     const turn = still ? frame.orientation : orientation(camera);
-    const frustum = symmetric(fovY, this.aspect());
-    const across = Math.floor(width / this.parts);
     const part = this.fade.part(performance.now());
-    for (let eye = 0; eye < this.parts; ++eye) {
-      const at = eyePosition(position, turn, eye, this.parts, EYE_SEPARATION);
-      const shown = { position: at, orientation: turn, frustum };
-      const area = { framebuffer: null, x: eye * across, y: 0, width: across, height };
+    this.forEyes(position, turn, (shown, area, eye) => {
       coverBy(gl, 1);
       if (part < 1 && this.redraw?.drawBefore(shown, area)) coverBy(gl, part);
       // From its own place a picture is what it is.
       if (this.layered && (this.parts === 2 || !sameView(frame, position, turn))) this.redraw?.draw(shown, area);
       else this.drawFlat(frame, eye, shown, area);
-    }
+    });
     coverBy(gl, 1);
     this.shown = { position, orientation: turn, made: frame, part };
+  }
+
+  // The same in the place of pictures: a moment that is drawn here. What is on the canvas already is not drawn again.
+  drawMoment(moment: Drawable, drawing: Drawing, now: number): void {
+    const { warped, host } = this;
+    const { camera, fovY } = host;
+    if (!this.gl || this.gl.isContextLost()) return;
+    warped.hidden = false;
+    this.clear();
+    if (!this.fit(host.wishes.cap)) return;
+    const [position, turn] = [camera.position, orientation(camera)];
+    const drawnAs = [moment.version, ...position, ...turn, fovY, warped.width, warped.height, this.parts];
+    if (drawnAs.every((x, i) => x === this.drawnAs[i])) return;
+    const drew = drawing.measure((medium) => {
+      medium.take(moment);
+      this.forEyes(position, turn, (shown, area) => medium.draw(shown, area));
+    }, now);
+    if (!drew) return;
+    this.drawnAs = drawnAs;
+    const pose = { position, orientation: turn };
+    this.shown = { ...pose, made: pose, part: 1 };
+  }
+
+  // Pixels of one eye that is drawn here.
+  get drawnSize(): Size {
+    return { width: Math.floor(this.warped.width / this.parts), height: this.warped.height };
+  }
+
+  // Gives the canvas for WebGL its size, with at most the pixels of `cap`. Returns false where it has none.
+  private fit(cap: Size = { width: Infinity, height: Infinity }): boolean {
+    const { clientWidth, clientHeight } = this.warped;
+    if (!clientWidth || !clientHeight) return false;
+    const shrink = Math.min(
+      1,
+      Math.sqrt((cap.width * cap.height) / (clientWidth * clientHeight)) / window.devicePixelRatio,
+    );
+    const [width, height] = [clientWidth, clientHeight].map((x) => Math.round(x * window.devicePixelRatio * shrink));
+    if (this.warped.width !== width || this.warped.height !== height) Object.assign(this.warped, { width, height });
+    return true;
+  }
+
+  // Calls `draw` for each eye of a head, with its view and its part of the canvas.
+  private forEyes(head: Vec3, turn: View['orientation'], draw: (shown: View, area: Area, eye: number) => void): void {
+    const { width, height } = this.warped;
+    const frustum = symmetric(this.host.fovY, this.aspect());
+    const across = Math.floor(width / this.parts);
+    for (let eye = 0; eye < this.parts; ++eye) {
+      const position = eyePosition(head, turn, eye, this.parts, EYE_SEPARATION);
+      const area = { framebuffer: null, x: eye * across, y: 0, width: across, height };
+      draw({ position, orientation: turn, frustum }, area, eye);
+    }
   }
 
   // To be called for a new connection: frames of the old one are not drawn any more.
@@ -244,7 +298,8 @@ export class Viewing implements Surface {
 
   // True: pictures have a margin that is seen when the camera turns. The legend of a view would lie in it.
   private get grows(): boolean {
-    return this.warp !== undefined && this.reprojection !== 'off' && this.host.wishes.view === 'picture';
+    const { wishes, drawing } = this.host;
+    return this.warp !== undefined && this.reprojection !== 'off' && wishes.view === 'picture' && !drawing.shown;
   }
 
   private aspect(): number {
@@ -254,9 +309,14 @@ export class Viewing implements Surface {
   // Also true while the context is lost: it will be back.
   private prepare(): boolean {
     if (this.warp) return true;
-    this.gl ??= this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false }) ?? undefined;
-    this.warp = this.makeWarp();
+    this.warp = this.context() && this.makeWarp();
     return this.warp !== undefined || (this.gl?.isContextLost() ?? false);
+  }
+
+  // Of the canvas above the first, for WebGL; undefined: this browser has none.
+  context(): WebGL2RenderingContext | undefined {
+    this.gl ??= this.warped.getContext('webgl2', { alpha: false, antialias: false, depth: false }) ?? undefined;
+    return this.gl;
   }
 
   // The same for layers.
@@ -290,6 +350,7 @@ export class Viewing implements Surface {
   private renew(warp: Warp | undefined): void {
     this.warp = warp;
     this.frame = undefined;
+    this.drawnAs = [];
     this.dropLayers();
     if (warp && this.reprojection === 'layers') this.prepareLayers();
     if (!warp) this.warped.hidden = true;

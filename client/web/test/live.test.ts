@@ -13,6 +13,7 @@ const whole: Seen = {
     rate: 60,
     serverMs: 5,
     redrawn: 'no',
+    drawnHere: false,
   },
   frame: { width: 640, height: 360, quality: 80 },
   asked: { width: 640, height: 360 },
@@ -30,7 +31,7 @@ describe('what pictures lack', () => {
     expect(lack({ ...whole, redrawn: 'no', rate: 5 })).toBe('5 pictures/s: the link is slow');
     expect(lack({ ...whole, redrawn: 'yes', rate: 1 })).toBe('1 pictures/s: the link is slow');
     expect(lack({ ...whole, redrawn: 'missing' })).toMatch(/^No layers with depth/);
-    expect(['yes', 'unasked', 'no'].map((one) => liveText(one as Seen['redrawn']))).toEqual([
+    expect((['yes', 'unasked', 'no'] as const).map((redrawn) => liveText({ ...whole, redrawn }))).toEqual([
       'Live',
       'Live, redrawn here between pictures',
       'Live',

@@ -58,18 +58,18 @@ describe('a place in an address', () => {
 describe('a link', () => {
   const settings: Settings = {
     ...{ cap: 3, quality: 90, stats: true, panel: true },
-    ...{ eyes: 'side', reprojection: 'plane', predict: true, box: true, view: 'depth' },
+    ...{ eyes: 'side', reprojection: 'plane', draw: 'client', predict: true, box: true, view: 'depth' },
   };
   const plain: Settings = {
     ...{ cap: undefined, quality: 0, stats: false, panel: false },
-    ...{ eyes: 'one', reprojection: 'auto', predict: false, box: false, view: 'picture' },
+    ...{ eyes: 'one', reprojection: 'auto', draw: 'auto', predict: false, box: false, view: 'picture' },
   };
 
   test('has the view and what is the viewer’s own, and no token', () => {
     const page = 'https://clouds.example/show/?eyes=one&old=1#token=secret';
     expect(linkTo(page, lookAt([0, 2, 26], [0, 0, 0]), 0.8, settingsText(settings))).toBe(
       'https://clouds.example/show/?position=0,2,26&target=0,0,0&fov=0.8' +
-        '&eyes=side&reproject=plane&predict=1&box=1&size=1280x720&quality=90&view=depth',
+        '&eyes=side&reproject=plane&draw=client&predict=1&box=1&size=1280x720&quality=90&view=depth',
     );
     expect(settingsText(plain)).toEqual([]);
   });
@@ -87,6 +87,7 @@ describe('a link', () => {
     for (const bad of [
       'eyes=three',
       'reproject=',
+      'draw=here',
       'predict=yes',
       'box=on',
       'size=1x1',

@@ -1,0 +1,5 @@
+// Text of a shader with what it includes: ../glsl.ts.
+declare module '*?glsl' {
+  const text: string;
+  export default text;
+}
