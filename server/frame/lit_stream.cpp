@@ -54,12 +54,12 @@ double LitStream::hzWithin(double hz) const {
     return best;
 }
 
-// Messages a second: half of the ticks, unless somebody wants all.
+// Messages a second: half of the ticks, unless somebody wants all and may have more than that.
 double LitStream::hzFor(std::span<const std::shared_ptr<Viewer>> viewers) const {
     constexpr double kAll = 1 / kTickSeconds;
     uint32_t most = 0;
     for (const auto& viewer : viewers) most = std::max(most, viewer->drawHz());
-    return most == 0 ? 0 : most > kAll / 2 ? kAll : kAll / 2;
+    return most == 0 ? 0 : most > kAll / 2 && hzWithin(kAll) > kAll / 2 ? kAll : kAll / 2;
 }
 
 bool LitStream::isDue(std::span<const std::shared_ptr<Viewer>> viewers, const ShownScene& shown,
