@@ -4,8 +4,8 @@ import { glsl } from './glsl';
 // `npm run dev` serves the page with live reload and passes the rest on to a running server.
 const server = process.env['BRUME_URL'] ?? 'http://127.0.0.1:8080';
 
-// `vite build` makes the page and the view alone (dist/embed.html); `vite build --mode library` adds the element as one
-// file that other pages import, dist/brume-view.js.
+// `vite build` makes the page, the view alone (dist/embed.html) and an example with Three.js (dist/three.html);
+// `vite build --mode library` adds the element as one file that other pages import, dist/brume-view.js.
 export default defineConfig(({ mode }) => ({
   base: './',
   plugins: [glsl()],
@@ -19,7 +19,7 @@ export default defineConfig(({ mode }) => ({
           emptyOutDir: false,
           lib: { entry: 'src/element.ts', formats: ['es'] as const, fileName: () => 'brume-view.js' },
         }
-      : { rollupOptions: { input: ['index.html', 'embed.html'] } }),
+      : { rollupOptions: { input: ['index.html', 'embed.html', 'three.html'] } }),
   },
   server: {
     proxy: {

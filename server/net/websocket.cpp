@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <span>
 
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
@@ -207,14 +208,7 @@ asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     const wire::Packed header = frame->lit ? packLitHeader(*frame, queue_ms) : packFrameHeader(*frame, queue_ms);
     Parts parts{asio::buffer(header.data(), header.size())};
     size_t next = 1;
-    if (frame->lit) parts[next++] = asio::buffer(frame->rows().bytes);
-    for (uint32_t view = 0; !frame->lit && view < frame->request.views; ++view)
-        parts[next++] = asio::buffer(*frame->jpeg[view]);
-    for (const LayersPtr& layers : frame->layers) {
-        if (!layers) continue;
-        for (const auto* picture : {&layers->colours, &layers->data, &layers->surface})
-            parts[next++] = asio::buffer(*picture);
-    }
+    frame->eachPart([&](std::span<const uint8_t> bytes) { parts[next++] = asio::buffer(bytes.data(), bytes.size()); });
     context_->metrics.sent(asio::buffer_size(parts), queue_ms);
     const error_code error = co_await send(parts);
     backlog_ = backlog_ || tcpState(ws_.next_layer().tcp().socket().native_handle()).backlog;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,19 @@ struct EncodedFrame {
 
     // What of `lit` is sent.
     const lit::PackedRows& rows() const { return lit_whole ? lit->whole : lit->changes; }
+
+    // Calls `part` with the bytes of each part of the message, in order, as std::span.
+    template <class Part>
+    void eachPart(const Part& part) const {
+        if (lit) return part(std::span<const uint8_t>(rows().bytes));
+        for (const Jpeg& picture : jpeg)
+            if (picture) part(std::span<const uint8_t>(*picture));
+        for (const LayersPtr& of : layers) {
+            if (!of) continue;
+            for (const auto* picture : {&of->colours, &of->data, &of->surface})
+                part(std::span<const uint8_t>(*picture));
+        }
+    }
 };
 // Of all its views together.
 double pixelsOf(const PoseRequest& request);

@@ -1,7 +1,6 @@
 #include "server/viewer/viewer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -15,8 +14,6 @@ namespace {
 constexpr std::chrono::milliseconds kMeasuresEvery{250};
 constexpr uint8_t kShowsErrors = *viewNamed("error");
 constexpr uint8_t kStillQuality = 90;
-// Without a full window for so long, messages of the lit medium come twice as often.
-constexpr std::chrono::seconds kLitFaster{2};
 constexpr float kMeanWaitMs = 500.0f / 60; // mean time until a display's next frame
 
 // How far an eye may move until its last picture's layers no longer show it well: parts of the depth of the medium and
@@ -112,68 +109,12 @@ FramePtr Viewer::takeFrame(Clock::time_point now) {
     sent_ = frame_->id;
     ++counts_.sent;
     size_t bytes = 0;
-    for (const Jpeg& jpeg : frame_->jpeg)
-        if (jpeg) bytes += jpeg->size();
-    for (const LayersPtr& layers : frame_->layers)
-        if (layers) bytes += layers->bytes();
-    if (frame_->lit) bytes = frame_->rows().bytes.size();
+    frame_->eachPart([&](std::span<const uint8_t> part) { bytes += part.size(); });
     const float queue_ms = std::chrono::duration<float, std::milli>(now - frame_->encoded).count();
     pacing_.sent(frame_->id, bytes, frame_->render_ms + frame_->encode_ms + queue_ms + kMeanWaitMs, now);
     const float wait_ms = frame_->repeats ? History::kUnknown : frame_->wait_ms;
     history_.add({wait_ms, frame_->render_ms, frame_->encode_ms, queue_ms, frame_->gpu_ms}, now);
     return std::move(frame_);
-}
-
-bool Viewer::chooseRows() {
-    const LitTick& lit = *frame_->lit;
-    const bool changes = lit_held_.has(lit.reference);
-    if (!changes && lit.whole.bytes.empty()) {
-        pacing_.dropped(frame_->id);
-        ++counts_.superseded;
-        frame_.reset();
-        lit_scene_.reset();
-        return false;
-    }
-    lit_held_.add(lit.number);
-    if (changes) return true;
-    auto whole = std::make_shared<EncodedFrame>(*frame_);
-    whole->lit_whole = true;
-    frame_ = std::move(whole);
-    return true;
-}
-
-uint32_t Viewer::drawHz() const {
-    const std::scoped_lock lock(mutex_);
-    return closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty() ? 0 : pose_->draw_hz;
-}
-
-bool Viewer::lags(uint64_t scene, Clock::time_point now) const {
-    const std::scoped_lock lock(mutex_);
-    return !closed_ && pose_ && !pose_->hidden && pose_->draw_hz > 0 && refusal_.empty() && lit_scene_ != scene &&
-           pacing_.isOpen(now);
-}
-
-std::optional<Viewer::Due> Viewer::takeLit(uint32_t number, double hz, double most_hz, uint64_t scene,
-                                           Clock::time_point now) {
-    const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_ || pose_->hidden || pose_->draw_hz == 0 || !refusal_.empty()) return {};
-    const bool rests = std::isinf(most_hz);
-    if (rests && lit_scene_ == scene) return {};
-    const double wanted = std::min({double(pose_->draw_hz), most_hz, 1 / (kTickSeconds * step().every)});
-    const uint32_t most = 1u << (lit::kLayers - 1);
-    if (lit_every_ > 1 && now - lit_held_back_ > kLitFaster) lit_every_ /= 2, lit_held_back_ = now;
-    const uint32_t every = std::min(std::max(std::bit_ceil(uint32_t(std::ceil(hz / wanted - 0.01))), lit_every_), most);
-    if (number % every != 0 && !rests && !lit_held_.isEmpty()) return {};
-    if (!pacing_.isOpen(now)) { // rather a slower pace than gaps, after which it would need whole rows
-        held_back_ = held_back_ || pacing_.isHeldByBytes();
-        if (number % every == 0 && !rests) lit_every_ = std::min(2 * every, most), lit_held_back_ = now;
-        return {};
-    }
-    if (++issued_ == 0) ++issued_; // 0 is no frame
-    pacing_.issued(issued_, now);
-    made_.reset(); // the next picture, if there is one, is new
-    lit_scene_ = scene;
-    return Due{issued_, *pose_, false, !lit_held_.has(lit::referenceOf(number))};
 }
 
 bool Viewer::acknowledge(uint32_t frame_id, Clock::time_point now) {

@@ -17,6 +17,9 @@ import { startServer } from './server.mjs';
 import { contrast, disparity, halves, headset, takeContext } from './two-eyes.mjs';
 
 const HOPELESS_MS = 60_000;
+const WHOLE = process.env.BRUME_TESTS === 'whole';
+// Scenes, and the relative RMSE that each may have. Where shadows of objects are smoothed, and in dense clouds, it is more.
+const SHOWN = { cloud: 0.03, plume: 0.03, ...(WHOLE && { 'cloud-5000': 0.03, tubes: 0.03, cumulus: 0.04, props: 0.04 }) };
 
 // Until what came is on the screen.
 async function drawn(page) {
@@ -97,7 +100,7 @@ describe('a page that draws', () => {
   const open = (t, query = '?draw=client', options = {}, { url } = server) =>
     openPage(t, browser, `${url}/${query}`, options);
 
-  for (const scene of ['cloud', 'plume'])
+  for (const [scene, most] of Object.entries(SHOWN))
     test(`shows ${scene} as the server does`, async (t) => {
       const own = scene === 'cloud' ? server : await startServer('--scene', scene, '--paused');
       if (own !== server) t.after(() => own.stop());
@@ -113,7 +116,8 @@ describe('a page that draws', () => {
       const bare = await snapshot(page, own.url, VIEWPORT);
       const { error, part } = await errorOf(page, picture, theirs, bare);
       assert.ok(part > 0.1, `the medium is in ${part} of the pixels`);
-      assert.ok(error < 0.03, `relative RMSE ${error}`);
+      t.diagnostic(`${scene}: relative RMSE ${error}, of ${part} of the pixels`);
+      assert.ok(error < most, `relative RMSE ${error}`);
       await set(page, 'medium.extinction', extinction);
       await until(
         page,
@@ -180,7 +184,7 @@ describe('a page that draws', () => {
     await drawn(page);
     for (const half of await halves(page, '#view')) assert.ok(contrast(half) > 4, 'an eye is nearly uniform');
     await page.locator('#tool-vr').click();
-    await until(page, 'both eyes are drawn', (brume) => brume.headset?.drawn > 2 && brume.drawing === 'client');
+    await until(page, 'both eyes are drawn', (brume) => brume.headset?.drawn > 7 && brume.drawing === 'client');
     const eyes = await halves(page, 'div[data-webxr_runtime]');
     for (const half of eyes) assert.ok(contrast(half) > 4, `an eye is nearly black: ${contrast(half)}`);
     assert.ok(disparity(eyes) > 0, 'without parallax');

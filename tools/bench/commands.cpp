@@ -5,14 +5,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <iostream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/cores.h"
 #include "common/metrics.h"
 #include "common/metrics_flip.h"
 #include "common/view_names.h"
@@ -20,6 +18,7 @@
 #include "tools/bench/features.h"
 #include "tools/bench/lattice.h"
 #include "tools/bench/operations/operations.h"
+#include "tools/bench/page.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
 #include "tools/bench/promise_page.h"
@@ -37,47 +36,6 @@ json readJson(const std::filesystem::path& file) {
     if (parsed.is_discarded())
         throw std::runtime_error(file.string() + ": no JSON; give the results that brume-bench sweep wrote");
     return parsed;
-}
-
-// First line of what a command prints; empty when it fails.
-std::string said(const char* command) {
-    std::string text(256, '\0');
-    FILE* pipe = ::popen(command, "r");
-    if (!pipe) return {};
-    text.resize(std::fread(text.data(), 1, text.size(), pipe));
-    ::pclose(pipe);
-    return text.substr(0, text.find('\n'));
-}
-
-std::string cpu() {
-    return said("lscpu | sed -n 's/^Model name: *//p'") + ", " + std::to_string(usableCores()) + " threads";
-}
-
-// Where the costs are from, without the folder of their file: pages are read on other machines.
-std::string sourceOf(const CostModel& model) {
-    const size_t comma = model.source.find(", "), name = model.source.rfind('/');
-    if (!model.calibrated || comma == model.source.npos || name == model.source.npos) return model.source;
-    return model.source.substr(0, comma + 2) + model.source.substr(name + 1);
-}
-
-std::string today() {
-    const std::time_t now = std::time(nullptr);
-    char date[16];
-    std::strftime(date, sizeof date, "%Y-%m-%d", std::gmtime(&now));
-    return date;
-}
-
-// To standard output where `file` is empty. Throws std::runtime_error, one line.
-void writeText(const std::filesystem::path& file, const std::string& text) {
-    if (file.empty()) {
-        std::cout << text;
-        return;
-    }
-    std::filesystem::create_directories(file.parent_path().empty() ? "." : file.parent_path());
-    std::ofstream out(file);
-    out << text;
-    if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
-    std::cout << file.string() << '\n';
 }
 
 // "PNG" or "JPEG" for a file of that name; empty for others.
@@ -169,12 +127,9 @@ int answerWhich(const Context& context, const WhichOptions& o) {
     if (o.out.empty())
         std::cout << page;
     else
-        writeText(o.out,
-                  fmt::format("# Which method within {:.3g} %?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: "
-                              "{}, {}. Costs: {}.\n\n",
-                              100 * o.question.error, context.command, today(), cpu(), device.name(), device.driver(),
-                              sourceOf(model)) +
-                      whichLegend() + page);
+        writeText(o.out, headed(fmt::format("Which method within {:.3g} %?", 100 * o.question.error), context, device,
+                                &model) +
+                             whichLegend() + page);
     return all_hold ? 0 : 1;
 }
 
@@ -185,16 +140,16 @@ void keepPromise(const Context& context, PromiseOptions o) {
     const gpu::Device device(context.device);
     const CostModel model = costsOf(context, device);
     const std::vector<json> rows = measureRows(device, model, o.question, o.rows);
-    std::string page = fmt::format(
-        "# Does `auto` keep its promise{}?\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. Costs: {}.\n\n"
+    std::string page =
+        headed(lit ? "Does `auto` keep its promise among fogs and lights?" : "Does `auto` keep its promise?", context,
+               device, &model);
+    page += fmt::format(
         "Random scenes{}, drawn from the seeds {} to {} by `auto` with `render.error` {:.3g} %. A random sample of the "
         "medium's pixels is compared with the reference. Errors as "
         "[`conventions.md`](../../conventions.md#errors) defines them; ± two standard errors. "
         "Constants of laws were chosen on seeds 1 to 110 (train), none on the others (judge).\n\n"
         "The command writes its scenes to `random-scenes` in the folder of `--costs`. One picture again: `brume-bench "
         "render --scene FOLDER/random-{}SEED.toml --size WxH --medium-alone --set render.error={:.3g}`.\n\n",
-        lit ? " among fogs and lights" : "", context.command, today(), cpu(), device.name(), device.driver(),
-        sourceOf(model),
         lit ? " with 0 to 2 fogs, 0 to 6 points and spots, and boxes and spheres beside the medium and the sun" : "",
         o.question.seed, o.question.seed + o.question.scenes - 1, 100 * o.question.budget, lit ? "lit-" : "",
         o.question.budget);
@@ -216,16 +171,13 @@ void scattering(const Context& context, ScatteringOptions o) {
         rows.push_back(scatteringRow(device, model, o.question, o.question.seed + i));
         std::cerr << fmt::format("  {} of {}\n", i + 1, o.question.scenes);
     }
-    writeText(
-        o.out,
-        fmt::format("# Light that scatters more than once, in random scenes\n\nWritten by `{}` on {}. CPU: "
-                    "{}. Vulkan device: {}, {}.\n\n"
-                    "Random scenes, drawn by `auto` with each `render.scattering`, beside random paths in "
-                    "double precision. RMSE and bias are of the radiance of the medium's pixels without edges, without "
-                    "sky and ambient light. The noise of the paths is taken out of the RMSE, and 0 is "
-                    "where it hides the error. Nothing was tuned on these seeds.\n\n",
-                    context.command, today(), cpu(), device.name(), device.driver()) +
-            scatteringPage(rows));
+    writeText(o.out,
+              headed("Light that scatters more than once, in random scenes", context, device) +
+                  "Random scenes, drawn by `auto` with each `render.scattering`, beside random paths in "
+                  "double precision. RMSE and bias are of the radiance of the medium's pixels without edges, without "
+                  "sky and ambient light. The noise of the paths is taken out of the RMSE, and 0 is "
+                  "where it hides the error. Nothing was tuned on these seeds.\n\n" +
+                  scatteringPage(rows));
 }
 
 void correction(const Context& context, CorrectionOptions o) {
@@ -235,8 +187,8 @@ void correction(const Context& context, CorrectionOptions o) {
     const gpu::Device device(context.device);
     const CostModel model = costsOf(context, device);
     const CorrectionRun run = correctionRun(device, model, q);
-    std::string page = fmt::format(
-        "# The correction at work\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}. Costs: {}.\n\n"
+    std::string page = headed("The correction at work", context, device, &model);
+    page += fmt::format(
         "The server's frame loop draws `{}` with `auto` for one viewer, {}, who flies slowly around it. {:.3g} s after "
         "the first measured error the error of every law is multiplied by {:.3g}, and a command makes the plan anew: "
         "it then takes what is too coarse. Without a command it would first wait two seconds, as for anything that is "
@@ -244,8 +196,7 @@ void correction(const Context& context, CorrectionOptions o) {
         "off. Measured is the error of the newest 100 to 256 pixels, by which the plan learns: it changes once 100 "
         "pixels of new pictures are traced. Predicted is the plan's own, as corrected. "
         "Errors as [`conventions.md`](../../conventions.md#errors) defines them.\n\n",
-        context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model), q.wanted.scene, o.size, q.at,
-        q.law_factor, 100 * run.promised, q.measure_error);
+        q.wanted.scene, o.size, q.at, q.law_factor, 100 * run.promised, q.measure_error);
     if (!o.out.empty()) {
         const std::string name = o.out.stem().string();
         writeText(o.out.parent_path() / (name + ".svg"), correctionPlot(run));
@@ -313,63 +264,60 @@ void plan(const Context& context, const PlanTable& wanted, const std::filesystem
     const gpu::Device device(context.device);
     const CostModel model = costsOf(context, device);
     Truth truth(context.cache);
-    const std::string about =
-        fmt::format("# The plan: predicted against measured\n\nWritten by `{}` on {}. CPU: {}. "
-                    "Vulkan device: {}, {}. Costs: {}.\n\n",
-                    context.command, today(), cpu(), device.name(), device.driver(), sourceOf(model));
-    writeText(out, about + planTable(device, model, truth, wanted));
+    writeText(out, headed("The plan: predicted against measured", context, device, &model) +
+                       planTable(device, model, truth, wanted));
 }
 
 void features(const Context& context, uint32_t frames, const std::filesystem::path& out) {
     const gpu::Device device(context.device);
     const std::string about =
-        fmt::format("# What is saved by compiling out what a scene does not have\n\nWritten by `{}` on {}. "
-                    "CPU: {}. Vulkan device: {}, {}.\n\n"
-                    "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders "
-                    "specialised for what is there and, besides, for "
-                    "things that are not; the pictures are the same. Least of {} frames each, in turns. "
-                    "There is one light in every scene, so that "
-                    "nothing is specialised for more.\n\n",
-                    context.command, today(), cpu(), device.name(), device.driver(), frames);
+        headed("What is saved by compiling out what a scene does not have", context, device) +
+        fmt::format(
+            "Scenes without objects, lobe and ambient light, 640x360 from outside, with shaders specialised for "
+            "what is there and, besides, for things that are not; the pictures are the same. Least of {} frames "
+            "each, in turns. There is one light in every scene, so that nothing is specialised for more.\n\n",
+            frames);
     writeText(out, about + featuresTable(device, frames));
 }
 
 void layers(const Context& context, LayersOptions options) {
     const gpu::Device device(context.device);
     options.question.size = sizeOf(options.size);
-    const std::string about = fmt::format(
-        "# Pictures redrawn from layers with depth\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}.\n\n"
-        "A picture and its layers are drawn {} wider than what is shown, coded as viewers get them, and redrawn from "
-        "another place. The true picture there is drawn the same way.\n\n",
-        context.command, today(), cpu(), device.name(), device.driver(), options.question.margin);
+    const std::string about =
+        headed("Pictures redrawn from layers with depth", context, device) +
+        fmt::format("A picture and its layers are drawn {} wider than what is shown, coded as viewers get them, and "
+                    "redrawn from another place. The true picture there is drawn the same way.\n\n",
+                    options.question.margin);
     writeText(options.out, about + layersTables(device, costsOf(context, device), options.question));
 }
 
 void drawing(const Context& context, DrawingOptions options) {
     const gpu::Device device(context.device);
     options.question.size = sizeOf(options.size);
-    const std::string about = fmt::format(
-        "# What viewers draw by themselves\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}.\n\n"
-        "Relative RMSE of {} pixels at random, of those that show the medium and no edge, against the reference, without sky and ambient light. What "
-        "viewers do is done in double, at single rays: what their coarse rays err comes on top. Light: the fits, with 64 "
-        "slabs; slabs: eight of them beside 64; rounding: of the message's numbers; drawn: all of it. Bytes are those of "
-        "a particle in a message, of 30 a second.\n\n",
-        context.command, today(), cpu(), device.name(), device.driver(), options.question.pixels);
+    const std::string about =
+        headed("What viewers draw by themselves", context, device) +
+        fmt::format(
+            "Relative RMSE of {} pixels at random, of those that show the medium and no edge, against the "
+            "reference, without sky and ambient light. What viewers do is done in double, at single rays: what "
+            "their coarse rays err comes on top. Light: the fits, with 64 slabs; slabs: eight of them beside 64; "
+            "rounding: of the message's numbers; drawn: all of it. Bytes are those of a particle in a message, "
+            "of 30 a second.\n\n",
+            options.question.pixels);
     writeText(options.out, about + drawingTable(device, costsOf(context, device), options.question));
 }
 
 void scaling(const Context& context, uint32_t frames, const std::filesystem::path& out) {
     const gpu::Device device(context.device);
-    const std::string about = fmt::format(
-        "# Cost against the number of lights and objects\n\nWritten by `{}` on {}. CPU: {}. Vulkan device: {}, {}.\n\n"
-        "Pictures of 640x360 by `slabs`, a ray per 4x4 pixels, 48 slabs; medians of {} frames, which the rows of a "
-        "table take in turns. Each column is a pass. Passes that take less than 0.005 ms in all rows are left "
-        "out.\n\n",
-        context.command, today(), cpu(), device.name(), device.driver(), frames);
-    const std::string off =
+    const std::string about =
+        headed("Cost against the number of lights and objects", context, device) +
+        fmt::format("Pictures of 640x360 by `slabs`, a ray per 4x4 pixels, 48 slabs; medians of {} frames, which the "
+                    "rows of a table take in turns. Each column is a pass. Passes that take less than 0.005 ms in all "
+                    "rows are left out.\n\n",
+                    frames);
+    const char* const off =
         "## What is not there\n\nOne sun and particles, without fog, lights or objects: shaders are "
-        "compiled without the code of what a scene lacks. What that code costs where it is "
-        "compiled in and finds nothing, scene `cloud`; least of the frames:\n\n";
+        "compiled without the code of what a scene lacks. What that code costs where it is compiled "
+        "in and finds nothing, scene `cloud`; least of the frames:\n\n";
     writeText(out,
               about + scalingTables(device, frames, context.costs / "scaling") + off + absentFeatures(device, frames));
 }

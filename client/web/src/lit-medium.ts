@@ -100,13 +100,15 @@ export class LitMedium {
   }
 
   // Draws what is taken as `view` sees it. `linear`: into two targets, light and transmittance of the medium alone.
-  draw(view: View, to: Area, linear = false): void {
+  // `scene`: a picture of `to`'s size that is behind and within the medium, in the place of the server's sky and objects:
+  // linear light, and as alpha the distance from the eye along the ray, m. Only the medium in front of that is drawn.
+  draw(view: View, to: Area, linear = false, scene?: WebGLTexture): void {
     const { gl, moment, extent } = this;
     if (!moment || !extent) return;
     const { message } = moment;
     const eye = subtract(view.position, message.origin);
     const grid = this.gridOf(moment, extent, eye, view, to);
-    const behind = message.objects.length > 0 && !linear;
+    const behind = scene !== undefined || (message.objects.length > 0 && !linear);
     gl.disable(gl.BLEND);
     gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
@@ -114,7 +116,9 @@ export class LitMedium {
     const rays = this.drawRays(message, grid, behind);
     const own = raysOf(view, to.width, to.height, 1, 0);
     const common = { ...skyOf(message), ...grid.uniforms, factor: factorsOf(message) };
-    const surfaces = behind ? this.drawSurfaces(moment, eye, { ...common, ...own }, to) : undefined;
+    const surfaces = scene
+      ? { texture: scene, layers: 0 }
+      : behind && this.drawSurfaces(moment, eye, { ...common, ...own }, to);
     gl.bindFramebuffer(gl.FRAMEBUFFER, to.framebuffer);
     gl.viewport(to.x, to.y, to.width, to.height);
     this.program(`compose ${behind} ${linear}`, () => composeSource(behind, linear))

@@ -1,6 +1,5 @@
 // The light of a ray's slabs from the eye to the end of each of COUNT, the first of which is FIRST.
 uniform sampler2DArray slabs;
-layout(location = 0) out vec4 part[COUNT];
 
 vec4 slabOf(int n) { return n < SLABS ? texelFetch(slabs, ivec3(gl_FragCoord.xy, n), 0) : vec4(0.0); }
 
@@ -24,16 +23,5 @@ void main() {
   own = slabOf(0);
   for (int n = 0; n < FIRST; ++n) add(n);
 #define PART(n) add(FIRST + n); part[n] = meansOf(light, depth);
-  PART(0)
-#if COUNT > 1
-  PART(1)
-  PART(2)
-  PART(3)
-#endif
-#if COUNT > 4
-  PART(4)
-  PART(5)
-  PART(6)
-  PART(7)
-#endif
+  PARTS
 }

@@ -9,7 +9,6 @@ flat in vec3 twist[HUES];
 #if FLUENCES > 0
 flat in vec4 fluence[FLUENCES];
 #endif
-layout(location = 0) out vec4 slab[COUNT];
 
 LitLine lines[HUES];
 vec3 beam, rest; // light that the sun sends to the eye where nothing is before it; and all other
@@ -37,9 +36,9 @@ LitSums before(int n) {
   return litSums(body.w * (litEdge(slabs, float(n) / float(SLABS)) * radius - closest));
 }
 
-#define SLAB(n) \
+#define PART(n) \
   to = before(FIRST + n + 1); \
-  slab[n] = inSlab(from, to); \
+  part[n] = inSlab(from, to); \
   from = to;
 
 void main() {
@@ -56,14 +55,5 @@ void main() {
     rest[c] += irradiance[c] * scatteredFluence(fluence[c].w, fluence[c].xyz, mean_cosine, -w);
 #endif
   LitSums from = before(FIRST), to;
-  SLAB(0)
-  SLAB(1)
-  SLAB(2)
-  SLAB(3)
-#if COUNT > 4
-  SLAB(4)
-  SLAB(5)
-  SLAB(6)
-  SLAB(7)
-#endif
+  PARTS
 }

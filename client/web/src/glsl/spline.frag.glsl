@@ -1,6 +1,5 @@
 // Coefficients of a cubic spline through the rays of the grid: the taps of the server's slab_spline.comp.
 uniform sampler2DArray rays;
-layout(location = 0) out vec4 part[COUNT];
 const float TAPS[3] = float[](1.59096, -0.33987, 0.04439);
 
 vec4 coefficients(int layer) {
@@ -16,16 +15,5 @@ vec4 coefficients(int layer) {
 
 void main() {
 #define PART(n) part[n] = coefficients(FIRST + n);
-  PART(0)
-#if COUNT > 1
-  PART(1)
-  PART(2)
-  PART(3)
-#endif
-#if COUNT > 4
-  PART(4)
-  PART(5)
-  PART(6)
-  PART(7)
-#endif
+  PARTS
 }
