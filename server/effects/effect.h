@@ -28,8 +28,8 @@ struct EffectInputs {
     bool moved = true;                        // True: the particles are not those of the last submission
     MediumView& all;                          // all particles; its resources are there when recording begins
     std::span<MediumView* const> seen;        // lists of particles that eyes see, each once
-    // Where the light on the particles of `fitted` goes, gpu::ParticleFit[], those of each hue `fits_stride` bytes after
-    // those of the one before. Null: nobody asks for it.
+    // Where the light on the particles of `fitted` goes, gpu::ParticleFit[], those of each hue `fits_stride` bytes
+    // after those of the one before. Null: nobody asks for it.
     const gpu::Buffer* fits = nullptr;
     const MediumView* fitted = nullptr;
     VkDeviceSize fits_stride = 0;

@@ -17,7 +17,7 @@ using Millis = std::chrono::duration<float, std::milli>;
 constexpr uint32_t kMostParticles = 16'384; // of a message; larger media are merged to so many
 constexpr uint32_t kMostMerged = 262'144;   // that are merged in time
 constexpr uint32_t kGroupsLast = 256;       // messages
-constexpr size_t kMostObjects = 16; // that a viewer's shaders look through for each pixel
+constexpr size_t kMostObjects = 16;         // that a viewer's shaders look through for each pixel
 
 float millisBetween(Clock::time_point from, Clock::time_point to) { return Millis(to - from).count(); }
 

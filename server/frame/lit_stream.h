@@ -62,11 +62,11 @@ private:
     std::vector<Measuring::Drawer> drawers_; // of jobs_
     std::shared_ptr<LitTick> next_;          // what is on the device, without rows
     std::unique_ptr<MeterJob> measured_;     // of one of the viewers; null: none
-    LastingGroups groups_;     // of a large medium
-    uint64_t groupings_ = 0;   // how often it was grouped
-    uint32_t grouped_at_ = 0;  // number of the message that was the first with these groups
+    LastingGroups groups_;                   // of a large medium
+    uint64_t groupings_ = 0;                 // how often it was grouped
+    uint32_t grouped_at_ = 0;                // number of the message that was the first with these groups
     std::vector<gpu::Particle> particles_, merged_;
-    bool whole_ = false;                     // True: somebody needs whole rows
+    bool whole_ = false; // True: somebody needs whole rows
     uint64_t first_ = 0;
     Clock::time_point taken_{}, done_{};
     uint32_t number_ = 0; // of the newest message

@@ -1,5 +1,5 @@
-// LastingGroups: a large medium as fewer particles, each merged from the same neighbours for as long as the groups last.
-// So they move evenly, where levels of detail (levels.h) are made anew each tick.
+// LastingGroups: a large medium as fewer particles, each merged from the same neighbours for as long as the groups
+// last. So they move evenly, where levels of detail (levels.h) are made anew each tick.
 #pragma once
 
 #include <cstdint>

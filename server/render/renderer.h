@@ -90,8 +90,8 @@ public:
     void submit(Submission& submission, const Simulation& simulation, std::span<const EyeRequest> eyes,
                 const RenderSettings* settings = nullptr, bool full = false);
 
-    // The same for the light on particles, and no picture. `groups`: particles to be lit in place of all; empty: all are.
-    // Precondition: there are groups, or fewer than kLargeMedium particles.
+    // The same for the light on particles, and no picture. `groups`: particles to be lit in place of all; empty: all
+    // are. Precondition: there are groups, or fewer than kLargeMedium particles.
     void submitLight(Submission& submission, const Simulation& simulation, const RenderSettings& settings,
                      std::span<const gpu::Particle> groups = {});
 

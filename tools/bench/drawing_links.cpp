@@ -17,18 +17,18 @@
 namespace brume::bench {
 namespace {
 
-constexpr double kLinks[] = {0.5, 1, 5};  // Mbit/s
-constexpr uint32_t kSeconds = 4;          // that are looked at, after one in which streams begin
+constexpr double kLinks[] = {0.5, 1, 5}; // Mbit/s
+constexpr uint32_t kSeconds = 4;         // that are looked at, after one in which streams begin
 constexpr uint32_t kFirst = 60, kEnd = kFirst + 60 * kSeconds, kLookEvery = 9; // ticks
-constexpr float kAround = 10;             // degrees a second
+constexpr float kAround = 10;                                                  // degrees a second
 constexpr int kUsualQuality = 80;
 
 Pose at(const Stage& stage, double tick) {
     return turnedAbout(stage.pose(), stage.scene().camera.target, glm::radians(kAround) * float(tick / 60));
 }
 
-// Relative RMSE (%) and FLIP, means over looks: beside the medium as it is now, and as it was when it was what is shown.
-// kB/s; messages or pictures a second; how old the medium is, ms.
+// Relative RMSE (%) and FLIP, means over looks: beside the medium as it is now, and as it was when it was what is
+// shown. kB/s; messages or pictures a second; how old the medium is, ms.
 struct Sight {
     double error = 0, flip = 0, late_error = 0, late_flip = 0, rate = 0, hz = 0, age_ms = 0;
     uint32_t looks = 0;
@@ -40,8 +40,8 @@ struct Sight {
         age_ms += age, ++looks;
     }
     std::string text() const {
-        return fmt::format(" {:.1f} | {:.4f} | {:.1f} | {:.4f} | {:.0f} | {:.0f} | {:.1f} |", error / looks, flip / looks,
-                           late_error / looks, late_flip / looks, age_ms / looks, rate, hz);
+        return fmt::format(" {:.1f} | {:.4f} | {:.1f} | {:.4f} | {:.0f} | {:.0f} | {:.1f} |", error / looks,
+                           flip / looks, late_error / looks, late_flip / looks, age_ms / looks, rate, hz);
     }
 };
 
@@ -102,8 +102,7 @@ Sight pictures(const gpu::Device& device, const CostModel& costs, const DrawingQ
         const Coming& seen = coming.front();
         const RadianceImage truth = stage.picture(at(stage, tick), question.size);
         sight.add(redrawn(seen.picture, at(stage, seen.tick), question.size), truth,
-                  late.picture(seen.tick, at(stage, tick), question.size), display,
-                  (tick - seen.tick) * 1000 / 60);
+                  late.picture(seen.tick, at(stage, tick), question.size), display, (tick - seen.tick) * 1000 / 60);
     }
     sight.rate = sent / 1000 / kSeconds;
     return sight;
@@ -189,8 +188,8 @@ Sight drawn(const gpu::Device& device, const CostModel& costs, const DrawingQues
             for (size_t i = 0; i < picture.rgb.size(); i += 3)
                 flat.picture.emplace_back(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]);
             const RadianceImage truth = stage.picture(at(stage, tick), question.size);
-            sight.add(redrawn(flat, flat.eye, question.size), truth, late.picture(shown, flat.eye, question.size), display,
-                      (tick - shown) * 1000 / 60);
+            sight.add(redrawn(flat, flat.eye, question.size), truth, late.picture(shown, flat.eye, question.size),
+                      display, (tick - shown) * 1000 / 60);
         }
         sight.rate = sent / 1000 / kSeconds;
         if (keeps_up && sent / (60 * kSeconds) <= bytes_per_tick) break;
@@ -203,14 +202,16 @@ Sight drawn(const gpu::Device& device, const CostModel& costs, const DrawingQues
 std::string linksTable(const gpu::Device& device, const CostModel& costs, const DrawingQuestion& question,
                        const std::string& scene) {
     const Case one{.scene = scene, .size = question.size};
-    std::string out = fmt::format("\n| {}, Mbit/s | way | error, % | FLIP | beside its own time: error, % | FLIP | medium is old, ms | kB/s | "
-                                  "a second |\n|---|---|---|---|---|---|---|---|---|\n",
-                                  scene);
+    std::string out = fmt::format(
+        "\n| {}, Mbit/s | way | error, % | FLIP | beside its own time: error, % | FLIP | medium is old, ms | kB/s | "
+        "a second |\n|---|---|---|---|---|---|---|---|---|\n",
+        scene);
     for (const double megabits : kLinks) {
         const double bytes_per_tick = megabits * 1e6 / 8 / 60;
         out += fmt::format("| {} | pictures |", megabits) +
                pictures(device, costs, question, one, bytes_per_tick).text() + '\n';
-        out += fmt::format("| {} | drawn |", megabits) + drawn(device, costs, question, one, bytes_per_tick).text() + '\n';
+        out +=
+            fmt::format("| {} | drawn |", megabits) + drawn(device, costs, question, one, bytes_per_tick).text() + '\n';
     }
     return out;
 }
