@@ -6,8 +6,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/loop/scene_report.h"
-
 #include "server/frame/frame_loop.h"
 #include "server/loop/scene_report.h"
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "server/sim/simulation.h"
 #include "server/viewer/viewer.h"
 
 namespace brume {

@@ -14,9 +14,9 @@ Rows rowsAt(uint64_t first, uint32_t count, uint32_t time) {
     for (uint32_t column = 0; column < kColumns; ++column) {
         rows.columns[column].resize(count);
         for (uint32_t i = 0; i < count; ++i) {
-            std::minstd_rand random(uint32_t((first + i) * 977 + column * 31 + 1));
+            std::minstd_rand random(uint32_t((first + i) * 977 + column * uint64_t(31) + 1));
             const uint32_t mask = (1u << bitsOf(column)) - 1;
-            rows.columns[column][i] = uint16_t((random() + time * (column % 5)) & mask);
+            rows.columns[column][i] = uint16_t((random() + time * uint64_t(column % 5)) & mask);
         }
     }
     return rows;
