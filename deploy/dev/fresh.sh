@@ -90,6 +90,7 @@ freshCommand() {
 # Until the server's page is there and the scene's own camera has a picture: what somebody sees in a browser.
 freshRun() { # freshRun RELEASE COLD
     local log=$fresh/$1-run.log address='' pid
+    : >"$log" # no address of an earlier server may be there
     freshCommand "$1" "$2" ./dev run --port 0 >"$log" 2>&1 &
     pid=$!
     # unshare heeds no SIGTERM. What it began ends with it.
