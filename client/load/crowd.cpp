@@ -21,7 +21,7 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr uint64_t kPoseEveryUs = 16'393;        // 61 Hz, not 60: no phase to the server's ticks lasts for a whole run
-constexpr uint64_t kDrawerPoseEveryUs = 200'000; // of viewers who draw by themselves, as pages do
+constexpr uint64_t kDrawerPoseEveryUs = 200'000; // viewers who draw by themselves, as pages do
 constexpr double kTickUs = 1e6 / 60;
 constexpr uint64_t kLookEveryUs = 100'000; // period of the check for viewers that get no frames
 constexpr uint64_t kTryEveryUs = 250'000;  // wait of a viewer that found no server, before it tries all again

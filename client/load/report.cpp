@@ -126,8 +126,8 @@ Json jsonOf(const Run& run) {
 } // namespace
 
 std::string tableHead() {
-    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | age, ms: p95 | kB/s each | "
-           "server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, %: predicted | "
+    return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | age, ms: p95 | "
+           "kB/s each | server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, %: predicted | "
            "measured, median | worst | load, cores | others, cores |\n"
            "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
@@ -153,11 +153,11 @@ std::string markdown(const Report& report, const Options& options) {
                     options.warm_up, report.machine);
     out += tableHead();
     for (const Run& run : report.runs) out += tableLine(run);
-    out +=
-        "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
-        "a later one. Age: of what a frame shows, from sending its pose; of lit particles from their tick. Shared: passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
-        "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
-        "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
+    out += "\nPose to frame: from every pose that a viewer sends, 61 a second, to the first frame of that pose or\n"
+           "a later one. Age: of what a frame shows, from sending its pose; of lit particles from their tick. Shared:\n"
+           "passes once a batch for all viewers of it; view: passes of each. Error: relative\n"
+           "RMSE that the server's plan predicts, which grows when it gives up accuracy under load, and that the\n"
+           "server measures of each viewer's pictures. Load: this program; others: what else the machine did.\n";
     if (const Run* const one = ofOneViewer(report)) out += beside(report, *one);
     if (tellsServers(options)) out += "\n## Each server\n\n" + serversText(report.runs);
     if (!report.broken.empty()) out += "\n## What does not hold\n\n";

@@ -1,6 +1,7 @@
 // LitMedium draws the medium from particles that bring their light with them, with WebGL 2. Rays are traced on a grid
 // that is as coarse as the particles allow. Each particle adds to the rays that it covers: first where their medium is,
-// then its optical depth and light in eight slabs there. Sums need no order. A pixel's light comes from the rays around.
+// then its optical depth and light in eight slabs there. Sums need no order. A pixel's light comes from the rays
+// around it.
 import { add, scale, subtract } from './camera';
 import { extentOf, lightSpaceOf, rateOf } from './lit-extent';
 import type { Extent, LightSpace } from './lit-extent';
@@ -100,8 +101,8 @@ export class LitMedium {
   }
 
   // Draws what is taken as `view` sees it. `linear`: into two targets, light and transmittance of the medium alone.
-  // `scene`: a picture of `to`'s size that is behind and within the medium, in the place of the server's sky and objects:
-  // linear light, and as alpha the distance from the eye along the ray, m. Only the medium in front of that is drawn.
+  // `scene`: a picture of `to`'s size that is behind and within the medium, in place of the server's sky and objects. It
+  // has linear light, and as alpha the distance from the eye along the ray, m. Only the medium before that is drawn.
   draw(view: View, to: Area, linear = false, scene?: WebGLTexture): void {
     const { gl, moment, extent } = this;
     if (!moment || !extent) return;

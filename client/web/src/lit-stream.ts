@@ -1,5 +1,5 @@
-// LitStream: messages of lit particles become moments of the scene. It unpacks them in their order, and holds what later
-// ones refer to. It gives what is to be drawn at a time.
+// LitStream makes moments of the scene from messages of lit particles. It unpacks them in their order, and holds what
+// later ones refer to. It gives what is to be drawn at a time.
 import { LitClock } from './lit-clock';
 import { inflated, plainBytes, rowsOf } from './lit-columns';
 import type { Rows } from './lit-columns';

@@ -1,7 +1,8 @@
 // A pixel: the medium's light, from the grid's rays around it, in front of what is behind it. The grid begins MARGIN
 // rays before the picture.
-uniform vec3 own_corner, own_across, own_rise; // of pixels, as those of the grid
-uniform vec2 offset;                           // of the picture in its target, pixels
+// own_corner, own_across, own_rise: the directions of pixels, as corner, across and rise are those of the grid.
+uniform vec3 own_corner, own_across, own_rise;
+uniform vec2 offset; // the picture's lower left corner in its target, pixels
 uniform int rate;                              // pixels between rays
 uniform sampler2DArray rays; // with a rate above 1 coefficients of a spline through them
 uniform float exposure;

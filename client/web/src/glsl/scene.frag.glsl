@@ -1,7 +1,7 @@
 // Another renderer's picture as the medium's passes take it: linear light, and as alpha the distance from the eye, m.
 // Where it has drawn nothing there is the sky.
 uniform sampler2D colours, depths; // light times alpha; depth buffer, 0 ... 1
-uniform vec2 projection;           // of its matrix, row 3: columns 3 and 4
+uniform vec2 projection;           // the projection's row 3: its columns 3 and 4
 uniform vec4 sides;                // tangents: of the left and lower side, and what is between opposite sides
 uniform vec3 right, up, ahead;     // of the camera, in the world
 out vec4 surface;
