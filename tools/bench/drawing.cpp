@@ -1,5 +1,6 @@
 #include "tools/bench/drawing.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -37,6 +38,11 @@ struct PixelSeen {
     glm::dvec3 truth{0}, unrounded{0}, unslabbed{0}, drawn{0};
 };
 
+// True: it is a sun that shines.
+bool isBrightSun(const reference::LightSource& light) {
+    return light.kind == reference::LightSource::Kind::directional && light.colour != glm::dvec3(0);
+}
+
 // Bytes of a message a particle: of whole rows before and after they are packed, and of changes, every message and
 // every second one.
 struct Bytes {
@@ -72,6 +78,23 @@ Bytes bytesOf(Stage& stage) {
     return bytes;
 }
 
+// Gives each particle the light of points and spots at its centre, as its fluence: what one colour a particle can carry
+// of them. Viewers get no such light; the error is why. Precondition: no sun.
+void addLamps(const reference::World& world, const reference::Lighting& lighting, lit::Medium& medium) {
+    medium.irradiance = medium.straight = glm::dvec3(1);
+    medium.scatters_on = true;
+    for (lit::Medium::Particle& p : medium.particles) {
+        p.fits = {};
+        p.fluence = {};
+        for (size_t i = 0; i < world.lights.size(); ++i) {
+            const reference::Arrival arrival = reference::arrivalAt(world.lights[i], p.centre);
+            if (arrival.irradiance == glm::dvec3(0)) continue;
+            const glm::dvec3 light = std::exp(-lighting.depth(i, p.centre, arrival)) * arrival.irradiance;
+            for (int c = 0; c < 3; ++c) p.fluence[c] += light[c] * glm::dvec4(-arrival.to_light, 1);
+        }
+    }
+}
+
 std::string rowOf(const gpu::Device& device, const CostModel& costs, const DrawingQuestion& question,
                   const std::string& wanted) {
     const size_t colon = wanted.find(':');
@@ -88,6 +111,11 @@ std::string rowOf(const gpu::Device& device, const CostModel& costs, const Drawi
     // They would dilute the error.
     world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     const reference::Stage truth(world, {.tolerance = kTolerance});
+    if (!std::ranges::any_of(world.lights, isBrightSun))
+        for (lit::Medium* medium : {&unrounded, &drawn}) {
+            medium->mean_cosine = lobesOf(now.medium).meanCosine();
+            addLamps(world, truth.lighting, *medium);
+        }
     const reference::Camera camera =
         reference::perspective(stage.pose(), int(question.size.x), int(question.size.y), double(kNearDepth));
     std::vector<glm::uvec2> pixels;
