@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "common/meshes.h"
+#include "common/numbered_files.h"
 #include "common/object_layout.h"
 #include "common/plain_file.h"
-#include "common/ply.h"
+#include "common/ply/ply.h"
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
@@ -52,6 +53,8 @@ private:
                 in.height(setting.key(), *out, *origin);
             else if (setting.form == Form::or_auto)
                 in.numberOrAuto(setting.key(), *out, setting.allowed);
+            else if (setting.form == Form::unit)
+                in.numberOrUnit(setting.key(), *out, setting.allowed);
             else
                 in.number(setting.key(), *out, setting.allowed, setting.unit);
         }
@@ -69,7 +72,9 @@ private:
                 in.vector(setting.key(), *out, setting.allowed);
             if (setting.form == Form::direction) normalise(*out);
         }
-        void operator()(glm::dvec3* out) const { in.vector(setting.key(), *out, setting.allowed); }
+        void operator()(glm::dvec3* out) const {
+            if (!in.isAuto(setting.key())) in.vector(setting.key(), *out, setting.allowed);
+        }
         void operator()(Range* out) const { in.range(setting.key(), *out, setting.allowed); }
         void operator()(std::string* out) const {
             if (setting.choices.empty())
@@ -123,6 +128,9 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
                 "a run of 1 to 9 #, one for each digit, like \"smoke-####.ply\"");
     if (!from_file && in.has("file"))
         in.fail("file", "not used by this layout", "only with layout = \"file\" or \"sequence\"");
+    for (const char* key : {"unit", "up", "far_points"})
+        if (!from_file && in.has(key))
+            in.fail(key, "not used by this layout", "only with layout = \"file\" or \"sequence\"");
     for (const char* key : {"rate", "loop"})
         if (!sequence && in.has(key)) in.fail(key, "not used by this layout", "only with layout = \"sequence\"");
     if (out.layout == Layout::none && in.has("count"))
@@ -143,7 +151,7 @@ std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::
         std::filesystem::path file;
         uintmax_t bytes = 0;
         std::filesystem::file_time_type changed;
-        glm::dvec3 origin{};
+        PlyFrame frame;
         bool operator==(const Read&) const = default;
     };
     static std::mutex mutex;
@@ -152,15 +160,24 @@ std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::
     if (medium.model != kTetrahedraMedium) return nullptr;
     std::error_code error;
     const Read now{medium.file, std::filesystem::file_size(medium.file, error),
-                   std::filesystem::last_write_time(medium.file, error), origin};
+                   std::filesystem::last_write_time(medium.file, error), frameOf(medium, origin)};
     const std::scoped_lock lock(mutex);
     if (!error && now == last)
         if (auto same = kept.lock()) return same;
-    PointCloud cloud = loadPly(medium.file, origin, {.tetrahedra = true});
+    PointCloud cloud = loadPly(medium.file, frameOf(medium, origin), {.tetrahedra = true});
     auto read = std::make_shared<const Tetrahedra>(
         connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex));
     last = now, kept = read;
     return read;
+}
+
+// Near the points of the medium's file.
+glm::dvec3 originOf(const TableReader& in, const Medium& medium) {
+    if (medium.layout != Layout::file && medium.layout != Layout::sequence)
+        in.fail("origin", "\"auto\" is where the points of a file are",
+                "only with layout = \"file\" or \"sequence\"; else [x, y, z]");
+    const std::filesystem::path file = medium.layout == Layout::sequence ? firstWithPoints(medium.file) : medium.file;
+    return originFor(extentOf(file, medium.up), double(medium.unit));
 }
 
 // Refuses what is drawn beside a sum of Gaussians only.
@@ -234,8 +251,10 @@ void readLights(TableReader& in, const SettingReader& read, std::vector<Light>& 
 void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder) {
     const SettingReader read(folder);
     const glm::dvec3& origin = out.origin;
+    const bool by_points = in.isAuto("origin");
     read.readTable(in, "", {.scene = &out}, nullptr);
     in.table("medium", [&](TableReader& r) { readMedium(r, read, out.medium, origin); });
+    if (by_points) out.origin = originOf(in, out.medium);
     in.table("simulation",
              [&](TableReader& r) { read.readTable(r, "simulation", {.simulation = &out.simulation}, nullptr); });
     readLights(in, read, out.lights, origin);

@@ -75,6 +75,10 @@ struct Medium : PhaseSettings {
     // Layouts file and sequence only, resolved against the scene's folder. Of a sequence its name has a run of #, each
     // a digit.
     std::filesystem::path file;
+    // How the files' places become the scene's (PlyFrame in common/ply/ply.h), and whether points that are far from all
+    // others (PlyExtent) are left out or kept.
+    float unit = 1; // m, of the files' lengths
+    std::string up = "y", far_points = "keep";
     // For render.sprites.maps = "files": the two PNG files SPRITE_MAPS-positive.png and SPRITE_MAPS-negative.png,
     // resolved against the scene's folder.
     std::filesystem::path sprite_maps;

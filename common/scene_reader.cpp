@@ -20,7 +20,7 @@ std::string plain(double value) {
 
 Limits around(double origin) { return {origin + limits::kPlace.lo, origin + limits::kPlace.hi}; }
 
-bool isAuto(const toml::node& node) { return node.value_exact<std::string>() == "auto"; }
+bool isTheWordAuto(const toml::node& node) { return node.value_exact<std::string>() == "auto"; }
 
 std::string bounds(Limits allowed) { return "from " + plain(allowed.lo) + " to " + plain(allowed.hi); }
 
@@ -29,6 +29,11 @@ std::string bounds(Limits allowed) { return "from " + plain(allowed.lo) + " to "
 const toml::node* TableReader::find(std::string_view key) {
     known_.emplace_back(key);
     return table_.get(key);
+}
+
+bool TableReader::isAuto(std::string_view key) {
+    const toml::node* node = find(key);
+    return node && isTheWordAuto(*node);
 }
 
 void TableReader::fail(std::string_view key, const std::string& problem, const std::string& allowed) const {
@@ -77,15 +82,33 @@ void TableReader::integer(std::string_view key, uint64_t& out, Limits allowed) {
         out = static_cast<uint64_t>(checked(key, *node, allowed, true, "a whole number"));
 }
 
+std::optional<double> lengthNamed(std::string_view unit) {
+    constexpr std::pair<std::string_view, double> kUnits[]{{"m", 1},    {"cm", 1e-2},   {"mm", 1e-3},  {"um", 1e-6},
+                                                           {"km", 1e3}, {"in", 0.0254}, {"ft", 0.3048}};
+    for (const auto& [name, length] : kUnits)
+        if (name == unit) return length;
+    return {};
+}
+
 void TableReader::numberOrAuto(std::string_view key, float& out, Limits allowed) {
     if (const toml::node* node = find(key))
-        out = isAuto(*node) ? kAuto : static_cast<float>(checked(key, *node, allowed, false, "\"auto\", or a number"));
+        out = isTheWordAuto(*node) ? kAuto
+                                   : static_cast<float>(checked(key, *node, allowed, false, "\"auto\", or a number"));
+}
+
+void TableReader::numberOrUnit(std::string_view key, float& out, Limits allowed) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const auto named = lengthNamed(node->value_or(std::string_view()));
+    out = named ? static_cast<float>(*named)
+                : static_cast<float>(checked(key, *node, allowed, false, "a unit's name like \"mm\", or a number"));
 }
 
 void TableReader::integerOrAuto(std::string_view key, uint32_t& out, Limits allowed) {
     if (const toml::node* node = find(key))
-        out = isAuto(*node) ? kAuto
-                            : static_cast<uint32_t>(checked(key, *node, allowed, true, "\"auto\", or a whole number"));
+        out = isTheWordAuto(*node)
+                  ? kAuto
+                  : static_cast<uint32_t>(checked(key, *node, allowed, true, "\"auto\", or a whole number"));
 }
 
 glm::dvec3 TableReader::checkedVector(std::string_view key, const toml::node& node, const Limits (&allowed)[3],

@@ -17,6 +17,9 @@
 
 namespace brume {
 
+// The length, m, of a unit: m, cm, mm, um, km, in or ft. Nothing for other names.
+std::optional<double> lengthNamed(std::string_view unit);
+
 class TableReader {
 public:
     // `path` is how messages name the table ("medium.emitter"), empty for the file's top. Both references must outlive
@@ -30,6 +33,7 @@ public:
     void integer(std::string_view key, uint64_t& out, Limits allowed);
     // The word "auto" gives kAuto.
     void numberOrAuto(std::string_view key, float& out, Limits allowed);
+    void numberOrUnit(std::string_view key, float& out, Limits allowed); // m, or a unit's name
     void integerOrAuto(std::string_view key, uint32_t& out, Limits allowed);
     void vector(std::string_view key, glm::vec3& out, Limits allowed); // [x, y, z]
     void vector(std::string_view key, glm::dvec3& out, Limits allowed);
@@ -58,6 +62,8 @@ public:
                   [&](TableReader& r) { read(r, out[i]); });
     }
 
+    // True: the key is the word "auto". Then it counts as read.
+    bool isAuto(std::string_view key);
     bool has(std::string_view key) const { return table_.contains(key); }
     // Refuses keys that nobody asked for.
     void finish() const;

@@ -16,6 +16,7 @@ constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
                                       "file", "sequence", "live",    "none"}; // in the order of Layout
 constexpr std::string_view kModels[]{kSumMedium, kUnionMedium, kTetrahedraMedium};
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
+constexpr std::string_view kUps[]{"y", "z", "x", "-y"}, kFarPoints[]{"keep", "drop"};
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
@@ -106,6 +107,14 @@ constexpr SceneSetting kBeforeMethods[]{
     {"medium.seed", at<&P::medium, &Medium::seed>, "", limits::kSeed, "Seed of all random numbers of the scene"},
     {"medium.file", at<&P::medium, &Medium::file>, "", kPaths,
      "PLY file beside the scene, with layout `file`; with `sequence` files, a # for each digit: `smoke-####.ply`"},
+    {"medium.unit", at<&P::medium, &Medium::unit>, "m", limits::kUnit,
+     "Length of the file's unit, or its name: `m`, `cm`, `mm`, `um`, `km`, `in` or `ft`; extinctions are per unit",
+     kNobody, Form::unit},
+    {"medium.up", at<&P::medium, &Medium::up>, "", kNone, "Axis of the file that points up", kNobody, Form::plain,
+     kUps},
+    {"medium.far_points", at<&P::medium, &Medium::far_points>, "", kNone,
+     "Points of the file that are 20 times as far from the middle as 98 % of them: `keep` or `drop`", kNobody,
+     Form::plain, kFarPoints},
     {"medium.sprite_maps", at<&P::medium, &Medium::sprite_maps>, "", kPaths,
      "For `render.sprites.maps = \"files\"`: the first part of two PNG names beside the scene, for `NAME-positive.png` "
      "and `NAME-negative.png`"},

@@ -40,6 +40,7 @@ using Member = std::variant<bool*, float*, uint32_t*, uint64_t*, glm::vec3*, glm
 enum class Form : uint8_t {
     plain,
     or_auto,   // a number, or the word auto, for which kAuto stands
+    unit,      // a length, or the name of one: lengthNamed()
     colour,    // a vector of linear red, green and blue
     place,     // a vector in world coordinates: the file's value less the scene's origin
     height,    // the same for y alone

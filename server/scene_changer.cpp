@@ -7,7 +7,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "common/ply.h"
+#include "common/numbered_files.h"
+#include "common/ply/ply.h"
 #include "common/scene_text.h"
 #include "common/text.h"
 #include "server/operate/uploaded_clouds.h"

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 #include "shaders/shared/types.h"
 
 namespace brume {
 
-inline const double kUnitMass = std::pow(2 * std::numbers::pi, 1.5); // of a Gaussian of unit peak and deviation
-inline const double kUnitDepth = std::sqrt(2 * std::numbers::pi);    // of the line through its centre
+inline constexpr double kUnitMass = 15.749609945722419;  // (2 pi)^1.5, of a Gaussian of unit peak and deviation
+inline constexpr double kUnitDepth = 2.5066282746310002; // sqrt(2 pi), of the line through its centre
 
 // Sums over the particles. Places count from the first: no cancellation far from zero.
 struct Group {

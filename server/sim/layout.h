@@ -15,6 +15,7 @@ struct PointCloudFacts {
     bool by_depth = false;                    // True: extinctions are chosen for a mean optical depth
     bool coloured = false;                    // True: every point came with its albedo
     std::vector<std::string> ignored;         // names of properties that are not read
+    std::vector<std::string> notes;           // one line each: what was guessed, merged or passed over
     size_t kept = 0, dropped = 0;             // points that are read, and those that are left out
     std::string first_dropped;                // why the first of them is
     std::string sequence, gaps;               // a sequence in words; a warning of missing files, or empty

@@ -5,10 +5,13 @@
 #include <limits>
 #include <span>
 
-#include "common/ply.h"
+#include <fmt/format.h>
+
+#include "common/elementary.h"
+#include "common/ply/ply.h"
 #include "common/random.h"
 #include "common/scene_limits.h"
-#include "server/sim/elementary.h"
+#include "server/medium/lasting_groups.h"
 #include "server/sim/spacing.h"
 
 namespace brume {
@@ -39,13 +42,52 @@ std::vector<float> cornerScales(const PointCloud& cloud, std::span<const glm::ve
     return scales;
 }
 
+// Every list as long as the positions, for what takes particles.
+std::vector<gpu::Particle> particlesOf(const Placement& placed) {
+    std::vector<gpu::Particle> particles(placed.position.size());
+    for (size_t i = 0; i < particles.size(); ++i) {
+        gpu::Particle& p = particles[i];
+        p.centre = placed.position[i];
+        p.scale = placed.scale[i];
+        p.sigma_t = placed.sigma_t[i];
+        if (!placed.albedo.empty()) p.albedo = placed.albedo[i];
+    }
+    return particles;
+}
+
+// Merges the points of a file that has more than a scene may have. Each group keeps its extinction over space.
+void mergeMany(const Medium& medium, Placement& out, PointCloudFacts& facts) {
+    constexpr auto kMost = uint32_t(limits::kCount.hi);
+    if (out.position.size() <= kMost) return;
+    if (out.sigma_t.empty()) {
+        const float multiplier = 0.5f * (medium.multiplier.lo + medium.multiplier.hi);
+        out.sigma_t.assign(out.position.size(), limits::kSigmaT.clamp(1e-4f * medium.extinction * multiplier));
+    }
+    const std::vector<gpu::Particle> particles = particlesOf(out);
+    std::vector<gpu::Particle> merged;
+    LastingGroups groups;
+    groups.build(particles, kMost);
+    groups.merge(particles, medium.falloff, merged);
+    facts.notes.push_back(
+        fmt::format("{} points are merged to {}: a scene has at most {}", particles.size(), merged.size(), kMost));
+    facts.by_depth = false; // they differ now
+    const bool coloured = !out.albedo.empty();
+    out.position.clear(), out.scale.clear(), out.sigma_t.clear(), out.albedo.clear();
+    for (const gpu::Particle& p : merged) {
+        out.position.push_back(p.centre);
+        out.scale.push_back(limits::kScale.clamp(p.scale));
+        out.sigma_t.push_back(limits::kSigmaT.clamp(p.sigma_t));
+        if (coloured) out.albedo.push_back(p.albedo);
+    }
+}
+
 // Fills out.scale and says where the sizes came from.
 std::string placeSizes(const PointCloud& cloud, const Medium& medium, Placement& out) {
     if (medium.model == kTetrahedraMedium) {
         out.scale = cornerScales(cloud, out.position, medium);
         return {};
     }
-    out.own_scale = !cloud.scale.empty() || !cloud.radius.empty();
+    out.own_scale = !cloud.scale.empty() || !cloud.radius.empty() || !cloud.deviation.empty();
     if (!cloud.scale.empty()) {
         out.scale = cloud.scale;
         return "the file's scale";
@@ -53,6 +95,10 @@ std::string placeSizes(const PointCloud& cloud, const Medium& medium, Placement&
     if (!cloud.radius.empty()) { // along an axis, a ball's mean square distance from its centre is radius^2 / 5
         for (const float radius : cloud.radius) out.scale.push_back(scaleOf(radius / kSqrt5, medium));
         return "from the file's radius";
+    }
+    if (!cloud.deviation.empty()) {
+        for (const float deviation : cloud.deviation) out.scale.push_back(scaleOf(deviation, medium));
+        return "from the splats' scale_0 to scale_2";
     }
     if (const float distance = medium.scale_by_spacing ? spacing(out.position) : 0; distance > 0) {
         out.scale.assign(out.position.size(), scaleOf(0.5f * distance, medium));
@@ -105,9 +151,14 @@ double opticalDepth(double mass, glm::dvec3 lo, glm::dvec3 hi, double reach) {
 }
 
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
-    PointCloud cloud =
-        loadPly(medium.file, origin,
-                {.ids = medium.layout == Layout::sequence, .tetrahedra = medium.model == kTetrahedraMedium});
+    const bool sequence = medium.layout == Layout::sequence, tetrahedra = medium.model == kTetrahedraMedium;
+    const bool may_be_many = !sequence && !tetrahedra;
+    PointCloud cloud = loadPly(medium.file, frameOf(medium, origin),
+                               {.ids = sequence,
+                                .tetrahedra = tetrahedra,
+                                .may_be_empty = sequence,
+                                .drop_far = medium.far_points == "drop" && !tetrahedra,
+                                .most = may_be_many ? kMostPlyPoints : uint64_t(limits::kCount.hi)});
     Placement out;
     out.id = std::move(cloud.id);
     out.position = std::move(cloud.position);
@@ -116,6 +167,8 @@ Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
     facts.extinctions_from = placeExtinctions(cloud, medium, out);
     facts.by_depth = cloud.sigma_t.empty() && cloud.opacity.empty() && !out.sigma_t.empty();
     out.albedo = std::move(cloud.albedo);
+    facts.notes = std::move(cloud.notes);
+    mergeMany(medium, out, facts);
     facts.coloured = !out.albedo.empty();
     facts.ignored = std::move(cloud.ignored);
     facts.kept = out.position.size();

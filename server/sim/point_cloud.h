@@ -27,7 +27,7 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
 // Where Scene::camera_by_points says so, gives the scene a camera that sees all points, in the direction and with the
 // angle of its own. Throws SceneError if the points are bad.
 void placeCamera(Scene& scene);
-// Logs these lines. Does nothing for other layouts.
-void tellOfPointCloud(const Scene& scene, const Simulation& simulation);
+// Logs these lines, and returns them. None for other layouts.
+std::vector<std::string> tellOfPointCloud(const Scene& scene, const Simulation& simulation);
 
 } // namespace brume

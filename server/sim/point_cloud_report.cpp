@@ -11,6 +11,7 @@
 #include "common/tetrahedra.h"
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
+#include "server/sim/sequence_files.h"
 #include "server/sim/simulation.h"
 
 namespace brume {
@@ -19,6 +20,7 @@ namespace {
 
 constexpr size_t kLongestList = 300;    // bytes of names from the file
 constexpr double kNearlyNothing = 0.05; // optical depth: so much of the light is taken away that one hardly sees it
+constexpr float kSmallestSide = 0.02f;  // m, of a cloud that a viewer can be near to
 constexpr float kVisibleDeviations = 3; // a particle reaches as far
 constexpr uint32_t kWidth = 16, kHeight = 9; // shape of the picture in which the camera looks for particles
 
@@ -153,6 +155,9 @@ std::string ignoredText(const PointCloudFacts& facts) {
 
 std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     const Cloud cloud(scene, simulation);
+    if (cloud.particles.empty())
+        return oneLine(fmt::format("{} '{}': {}; the first file has no points", kind(cloud.facts),
+                                   scene.medium.file.string(), cloud.facts.sequence));
     const double depth = depthOf(cloud);
     const std::string before = scene.tetrahedra ? fmt::format("{} tetrahedra of ", scene.tetrahedra->corners.size())
                                : cloud.facts.sequence.empty() ? ""
@@ -176,29 +181,42 @@ std::vector<std::string> pointCloudWarnings(const Scene& scene, const Simulation
         warnings.push_back(oneLine(fmt::format("{} '{}': dropped {} of {} points; the first, {}", kind(cloud.facts),
                                                scene.medium.file.string(), cloud.facts.dropped,
                                                cloud.facts.dropped + cloud.facts.kept, cloud.facts.first_dropped)));
-    if (std::ranges::find(cloud.facts.ignored, "scale_0") != cloud.facts.ignored.end())
-        warnings.push_back(oneLine(
-            fmt::format("'{}' looks like Gaussian splatting: its scale_0 is a logarithm and its opacity a logit, "
-                        "which are read as they stand; docs/scenes.md says how to convert them",
-                        scene.medium.file.string())));
+    for (const std::string& note : cloud.facts.notes)
+        warnings.push_back(oneLine(fmt::format("'{}': {}", scene.medium.file.string(), note)));
+    if (!cloud.facts.gaps.empty()) warnings.push_back(oneLine(cloud.facts.gaps));
+    if (cloud.particles.empty()) return warnings;
     if (const double depth = depthOf(cloud); depth < kNearlyNothing)
         warnings.push_back(
             fmt::format("an optical depth of {:.2g} is nearly transparent: medium.extinction changes it; "
                         "without that and medium.multiplier it is chosen",
                         depth));
-    if (!cloud.facts.gaps.empty()) warnings.push_back(oneLine(cloud.facts.gaps));
+    const glm::vec3 sides = cloud.bounds.hi - cloud.bounds.lo;
+    if (const float side = std::max({sides.x, sides.y, sides.z}); side > 0 && side < kSmallestSide)
+        warnings.push_back(fmt::format("the points lie within {:.2g} m, smaller than a viewer can be near to: "
+                                       "medium.unit = {:.0e} shows them a metre wide",
+                                       side, scene.medium.unit / side));
     if (!seesAny(cloud)) warnings.push_back(unseenText(cloud));
     return warnings;
 }
 
 void placeCamera(Scene& scene) {
-    if (scene.camera_by_points) scene.camera = cameraOn(Cloud(scene, Simulation(scene)));
+    if (!scene.camera_by_points) return;
+    const Simulation simulation(scene);
+    if (simulation.liveCount() > 0)
+        scene.camera = cameraOn(Cloud(scene, simulation));
+    else if (scene.medium.layout == Layout::sequence)
+        scene.camera = cameraOn(Cloud(scene, Simulation(standIn(scene))));
 }
 
-void tellOfPointCloud(const Scene& scene, const Simulation& simulation) {
-    if (!simulation.pointCloud()) return;
-    spdlog::info("{}", pointCloudLine(scene, simulation));
-    for (const std::string& warning : pointCloudWarnings(scene, simulation)) spdlog::warn("{}", warning);
+std::vector<std::string> tellOfPointCloud(const Scene& scene, const Simulation& simulation) {
+    if (!simulation.pointCloud()) return {};
+    std::vector<std::string> lines{pointCloudLine(scene, simulation)};
+    spdlog::info("{}", lines.front());
+    for (std::string& warning : pointCloudWarnings(scene, simulation)) {
+        spdlog::warn("{}", warning);
+        lines.push_back(std::move(warning));
+    }
+    return lines;
 }
 
 } // namespace brume

@@ -1,14 +1,13 @@
 #include "server/sim/sequence_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <numeric>
-#include <optional>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "common/numbered_files.h"
 #include "common/random.h"
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
@@ -20,17 +19,6 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
     throw SceneError(oneLine(file.string() + ": " + what));
-}
-
-// The number in a file's name that is made as `pattern` says; nothing for other names.
-std::optional<uint64_t> numberOf(const std::string& name, const std::string& pattern) {
-    const size_t begin = pattern.find('#'), end = pattern.find_last_of('#') + 1;
-    if (name.size() != pattern.size() || name.compare(0, begin, pattern, 0, begin) != 0 ||
-        name.compare(end, name.npos, pattern, end, pattern.npos) != 0)
-        return {};
-    uint64_t number = 0;
-    const auto [stop, error] = std::from_chars(&name[begin], &name[end - 1] + 1, number);
-    return error == std::errc() && stop == &name[end - 1] + 1 ? std::optional(number) : std::nullopt;
 }
 
 // What the points of a file come with, besides their places.
@@ -95,7 +83,7 @@ uint64_t hashOf(const SequenceFiles& all, const Medium& medium) {
     for (const SequenceFile& file : all.files) {
         hash.add(file.number);
         hash.add(uint64_t{file.position.size()});
-        hash.add(std::span(&file.position[0].x, 3 * file.position.size()));
+        if (!file.position.empty()) hash.add(std::span(&file.position[0].x, 3 * file.position.size()));
         hash.add(file.scale);
         hash.add(file.weight);
         if (!file.albedo.empty()) hash.add(std::span(&file.albedo[0].x, 3 * file.albedo.size()));
@@ -136,24 +124,6 @@ std::string gapsOf(const SequenceFiles& all, const std::filesystem::path& patter
 
 } // namespace
 
-std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern) {
-    std::vector<std::pair<uint64_t, std::filesystem::path>> found;
-    const std::string name = pattern.filename().string();
-    const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
-    std::error_code error;
-    for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
-        const auto number = numberOf(i->path().filename().string(), name);
-        if (!number) continue;
-        if (found.size() == kMostFiles)
-            fail(pattern, fmt::format("more than {} files; leave some out, or merge them", kMostFiles));
-        found.emplace_back(*number, i->path());
-    }
-    if (error) fail(pattern, "the folder cannot be read: " + error.message());
-    if (found.empty()) fail(pattern, "no such file; expected numbered files, with a digit for each #");
-    std::sort(found.begin(), found.end());
-    return found;
-}
-
 SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t most_bytes) {
     SequenceFiles out;
     Medium one = medium;
@@ -163,11 +133,15 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
     for (const auto& [number, path] : files) {
         one.file = path;
         Placement placed = placePointCloud(one, origin);
+        if (placed.position.empty()) { // a moment without anything
+            out.files.push_back({.number = number, .position = {}, .scale = {}, .weight = {}, .albedo = {}, .id = {}});
+            continue;
+        }
         if (placed.cloud->by_depth) {
-            if (out.files.empty()) by_depth = placed.sigma_t.front();
+            if (out.most == 0) by_depth = placed.sigma_t.front();
             placed.sigma_t.assign(placed.position.size(), by_depth);
         }
-        if (out.files.empty()) {
+        if (out.most == 0) {
             properties = propertiesOf(placed);
             out.facts = *placed.cloud;
             out.own_extinction = !placed.sigma_t.empty();
@@ -193,6 +167,7 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
                                           out.files.size() + 1, files.size(), out.bytes >> 20, most_bytes >> 20));
         out.files.push_back(std::move(file));
     }
+    if (out.most == 0) fail(medium.file, "no file has a point; allowed: files without points beside others");
     out.has_ids = without_ids.empty();
     for (SequenceFile& file : out.files)
         if (!out.has_ids) {
@@ -209,7 +184,7 @@ Scene standIn(Scene scene) {
     Medium& medium = scene.medium;
     if (medium.layout == Layout::sequence) {
         medium.layout = Layout::file;
-        medium.file = numberedFiles(medium.file).front().second;
+        medium.file = firstWithPoints(medium.file);
     } else if (medium.layout == Layout::live) {
         medium.layout = Layout::cube;
         medium.count = std::min(medium.count, Medium().count);

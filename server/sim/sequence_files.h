@@ -10,8 +10,6 @@
 
 namespace brume {
 
-inline constexpr size_t kMostFiles = 10'000; // of a sequence
-
 // The points of one file. The optional lists are empty, or as long as `position`.
 struct SequenceFile {
     uint64_t number = 0;             // of the file's name: its time
@@ -31,10 +29,6 @@ struct SequenceFiles {
     uint64_t bytes = 0;              // of the points
     PointCloudFacts facts;           // of the first file, with points that are left out of all files
 };
-
-// Files of the name `pattern`, whose run of # stands for as many digits, by number.
-// Throws SceneError if there are none or too many.
-std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std::filesystem::path& pattern);
 
 // Reads all files of the medium. `most_bytes`: of their points. Throws SceneError for a bad file, for files that have
 // not the same properties, and if there are more bytes. Precondition: the layout is `sequence`.

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/ply.h"
+#include "common/ply/ply.h"
 #include "common/tetrahedra.h"
 
 namespace brume::bench {
@@ -103,13 +103,13 @@ TEST(LatticeOfTetrahedra, HasTheParticlesMassAndAlbedo) {
 
 TEST(LatticeOfTetrahedra, IsReadBackAsItWas) {
     Lattice lattice = latticeOf(pair(), 1, 8);
-    const PointCloud near = parsePly(plyOf(lattice, glm::dvec3(0)), "l.ply", glm::dvec3(0), {.tetrahedra = true});
+    const PointCloud near = parsePly(plyOf(lattice, glm::dvec3(0)), "l.ply", {}, {.tetrahedra = true});
     EXPECT_EQ(near.position, std::vector<glm::vec3>(lattice.position.begin(), lattice.position.end()));
     EXPECT_EQ(near.sigma_t, lattice.sigma_t);
     EXPECT_EQ(near.albedo, lattice.albedo);
     EXPECT_EQ(near.tetrahedra, lattice.corners);
     const glm::dvec3 origin(1e6, 0, -2e6);
-    const PointCloud far = parsePly(plyOf(lattice, origin), "l.ply", origin, {.tetrahedra = true});
+    const PointCloud far = parsePly(plyOf(lattice, origin), "l.ply", {.origin = origin}, {.tetrahedra = true});
     for (size_t i = 0; i < far.position.size(); ++i) EXPECT_LT(glm::distance(far.position[i], near.position[i]), 1e-6f);
 
     std::vector<gpu::Particle> grey = pair();

@@ -6,7 +6,7 @@
 
 #include "common/camera.h"
 #include "common/gltf.h"
-#include "common/ply.h"
+#include "common/ply/ply.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
@@ -20,7 +20,7 @@ constexpr size_t kLongestRefusal = 2000; // an unknown key is answered with ever
 
 void tetrahedra(const std::string& bytes) {
     try {
-        PointCloud cloud = parsePly(bytes, "tetrahedra.ply", glm::dvec3(0), {.tetrahedra = true});
+        PointCloud cloud = parsePly(bytes, "tetrahedra.ply", {}, {.tetrahedra = true});
         promise(cloud.sigma_t.size() == cloud.position.size(), "corners are complete");
         promise(cloud.vertex.size() == (cloud.dropped > 0 ? cloud.position.size() : 0),
                 "those that are left have numbers");
@@ -78,7 +78,7 @@ void scene(Bytes input) {
 void ply(Bytes input) {
     const std::string bytes(textOf(input)); // exactly so long
     try {
-        const PointCloud cloud = parsePly(bytes, "points.ply", glm::dvec3(0), {.ids = bytes.size() % 2 == 1});
+        const PointCloud cloud = parsePly(bytes, "points.ply", {}, {.ids = bytes.size() % 2 == 1});
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");

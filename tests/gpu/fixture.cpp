@@ -8,7 +8,7 @@
 
 #include <unistd.h>
 
-#include "common/ply.h"
+#include "common/ply/ply.h"
 #include "common/tetrahedra.h"
 #include "tests/layer.h"
 
@@ -133,7 +133,7 @@ Scene sceneOf(const std::vector<Point>& points, float falloff, const std::vector
     scene.render.tone_map = "linear";
     if (tetrahedra.empty()) return scene;
     scene.medium.model = kTetrahedraMedium;
-    PointCloud read = loadPly(file, glm::dvec3(0), {.tetrahedra = true}); // without points that no tetrahedron has
+    PointCloud read = loadPly(file, {}, {.tetrahedra = true}); // without points that no tetrahedron has
     scene.tetrahedra =
         std::make_shared<const Tetrahedra>(connected(std::move(read.tetrahedra), read.position, file.string()));
     scene.render.method = "tetrahedra";

@@ -1,5 +1,5 @@
 // Functions of the simulation that libm has, too: against the latter's with more digits.
-#include "server/sim/elementary.h"
+#include "common/elementary.h"
 
 #include <bit>
 #include <cmath>
@@ -39,6 +39,17 @@ TEST(Elementary, CubeRootIsExactButForTheLastDigit) {
         const auto x = std::bit_cast<double>(random.bits() >> 1);
         if (!std::isnormal(x)) continue;
         ASSERT_LE(errorOf(cubeRoot(x), std::cbrt(static_cast<long double>(x))), 2e-16) << x;
+    }
+}
+
+TEST(Elementary, ExponentialIsExactButForTheLastDigit) {
+    EXPECT_EQ(exponential(0), 1);
+    EXPECT_EQ(exponential(-1e300), exponential(-700));
+    EXPECT_TRUE(std::isnan(exponential(std::numeric_limits<double>::quiet_NaN())));
+    Random random(1);
+    for (int i = 0; i < 100'000; ++i) {
+        const double x = double(random.uniform(-700, 700));
+        ASSERT_LE(errorOf(exponential(x), std::exp(static_cast<long double>(x))), 4e-16) << x;
     }
 }
 

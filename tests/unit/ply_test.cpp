@@ -1,5 +1,5 @@
 // Point clouds: every form that is read, and every way in which a file can be broken.
-#include "common/ply.h"
+#include "common/ply/ply.h"
 
 #include <cstring>
 #include <filesystem>
@@ -118,8 +118,8 @@ TEST(Ply, PointsThatCannotBeUsedAreDroppedAndCounted) {
     EXPECT_EQ(ascii.dropped, 3u);
     const PointCloud coloured = load(kAscii + "element vertex 2\n" + kXyz +
                                      "property float red\nproperty float green\nproperty float blue\nend_header\n"
-                                     "1 1 1 0 0 1\n\n1 1 1 0 255 0\n");
-    EXPECT_EQ(coloured.first_dropped, "line 13: green is 255; allowed: 0 to 1 as float, 0 to 255 as uchar");
+                                     "1 1 1 0 0 1\n\n1 1 1 0 -0.5 0\n");
+    EXPECT_EQ(coloured.first_dropped, "line 13: green is -0.5; allowed: 0 to 1");
 }
 
 struct Broken {
@@ -136,11 +136,9 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
         {"plyformat ascii 1.0element vertex 1", "sent with curl -d? It takes out line ends: use --data-binary"},
         {"ply\n" + std::string(2000, 'x') + "\n", "longer than 1024"},
         {kAscii, "expected end_header"},
-        {"ply\nformat binary_big_endian 1.0\n" + vertex1, "big-endian files are not read"},
         {"ply\nformat ascii 2.0\n" + vertex1, "expected \"format ascii 1.0\""},
         {"ply\nformat morse 1.0\n" + vertex1, "unknown format"},
         {"ply\n" + vertex1 + "1 2 3", "no format line"},
-        {kAscii + "elephant\n", "unknown header line"},
         {kAscii + "element vertex\n", "expected \"element"},
         {kAscii + "element vertex -1\n", "expected \"element"},
         {kAscii + "element vertex 99999999999999999999999\n", "expected \"element"},
@@ -152,10 +150,6 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
          "is a list"},
         {kAscii + "element vertex 1\n" + kXyz + "property int x\nend_header\n1 1 1 1", "there twice"},
         {kAscii + "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 1", "lacks one of x, y, z"},
-        {kAscii + "element vertex 1\n" + kXyz + "property uchar red\nend_header\n1 1 1 1", "expected all or none"},
-        {kAscii + "element vertex 1\n" + kXyz +
-             "property int red\nproperty int green\nproperty int blue\nend_header\n1 1 1 1 1 1",
-         "odd type"},
         {kAscii + "element face 0\nproperty list uchar int i\nend_header\n", "no element vertex"},
         {kAscii + "element vertex 0\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
         {kAscii + "element vertex 1000001\n" + kXyz + "end_header\n", "allowed: 1 to 1000000"},
@@ -191,14 +185,16 @@ TEST(Ply, BrokenFilesSayWhatIsExpected) {
 
 TEST(Ply, HeadersAreBounded) {
     std::string many = kAscii;
-    for (int i = 0; i < 20; ++i) many += "element e" + std::to_string(i) + " 0\n";
-    EXPECT_NE(errorOf(many + "end_header\n").find("more than 16 elements"), std::string::npos);
+    for (int i = 0; i < 300; ++i) many += "element e" + std::to_string(i) + " 0\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 256 elements"), std::string::npos);
     many = kAscii + "element vertex 1\n";
-    for (int i = 0; i < 70; ++i) many += "property float p" + std::to_string(i) + "\n";
-    EXPECT_NE(errorOf(many + "end_header\n").find("more than 64 properties"), std::string::npos);
+    for (int i = 0; i < 1100; ++i) many += "property float p" + std::to_string(i) + "\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 1024 properties"), std::string::npos);
     many = kAscii;
-    for (int i = 0; i < 600; ++i) many += "comment\n";
-    EXPECT_NE(errorOf(many + "end_header\n").find("more than 512 lines"), std::string::npos);
+    for (int i = 0; i < 21'000; ++i) many += "comment\n";
+    EXPECT_NE(errorOf(many + "end_header\n").find("more than 20000 lines"), std::string::npos);
+    EXPECT_NE(errorOf(kAscii + "comment " + std::string(2 << 20, 'x') + "\nend_header\n").find("longer than 1 MiB"),
+              std::string::npos);
 }
 
 // Every prefix of a good file, and every single byte of it changed, either loads or throws SceneError; nothing else.
@@ -223,9 +219,7 @@ const std::string kCorners = "element vertex 5\n" + kXyz + "property float sigma
                   kPoints = "0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n1 1 1 0\n",
                   kCells = "element tetrahedron 2\nproperty list uchar int vertex_indices\n";
 
-PointCloud tetrahedra(const std::string& bytes) {
-    return parsePly(bytes, "ply_test.ply", glm::dvec3(0), {.tetrahedra = true});
-}
+PointCloud tetrahedra(const std::string& bytes) { return parsePly(bytes, "ply_test.ply", {}, {.tetrahedra = true}); }
 
 std::string tetrahedraError(const std::string& bytes) {
     try {
@@ -272,7 +266,7 @@ TEST(Ply, PointsThatNoTetrahedronHasAreLeftOut) {
     for (const bool cells_first : {false, true}) {
         const PointCloud cloud = parsePly(kAscii + (cells_first ? kCells + vertices : vertices + kCells) +
                                               "end_header\n" + (cells_first ? cells + points : points + cells),
-                                          "ply_test.ply", glm::dvec3(0), {.ids = true, .tetrahedra = true});
+                                          "ply_test.ply", {}, {.ids = true, .tetrahedra = true});
         EXPECT_EQ(cloud.tetrahedra, (std::vector<glm::uvec4>{{0, 1, 2, 3}, {4, 3, 2, 1}}));
         EXPECT_EQ(cloud.position, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}));
         EXPECT_EQ(cloud.sigma_t, (std::vector<float>{0, 1, 2, 3, 4}));
@@ -343,11 +337,12 @@ TEST(Ply, PlacesCountFromTheOriginInDouble) {
     const std::string bytes =
         kBinary + xyz + raw(1000000.0009765625) + raw(-2e6) + raw(0.5) + raw(1e6) + raw(-1999999.75) + raw(7.0);
     const glm::dvec3 origin(1e6, -2e6, 0);
-    const PointCloud cloud = parsePly(bytes, "ply_test.ply", origin);
+    const PointCloud cloud = parsePly(bytes, "ply_test.ply", {.origin = origin});
     ASSERT_EQ(cloud.position.size(), 2u);
     EXPECT_EQ(cloud.position[0], glm::vec3(0.0009765625f, 0, 0.5f));
     EXPECT_EQ(cloud.position[1], glm::vec3(0, 0.25f, 7));
-    const PointCloud ascii = parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5\n0 0 0", "ply_test.ply", origin);
+    const PointCloud ascii =
+        parsePly(kAscii + xyz + "1000000.0009765625 -2e6 .5\n0 0 0", "ply_test.ply", {.origin = origin});
     EXPECT_EQ(ascii.position, std::vector<glm::vec3>{cloud.position[0]})
         << "the point at the world's zero is too far away";
     EXPECT_EQ(ascii.dropped, 1u);

@@ -16,7 +16,7 @@
 #include "common/tetrahedra.h"
 #include "tests/unit/simulation_scenes.h"
 
-namespace brume {
+namespace brume::point_cloud_test {
 namespace {
 
 // A scene of one point cloud, in files of its own. `header`: properties besides x, y, z; `body`: the points.
@@ -196,9 +196,66 @@ TEST(PointClouds, TheLineSaysHowDenseTheyAre) {
              "an optical depth of 0.0098 is nearly transparent: medium.exti");
 }
 
-TEST(PointClouds, AFileOfGaussianSplattingIsToldApart) {
-    const std::string header = "property float scale_0\nproperty float opacity\n";
-    expectIn(told(cloudScene(header, "0 0 0 -4 0.5\n1 0 0 -4 -1.5\n")), "looks like Gaussian splatting");
+TEST(PointClouds, AFileOfGaussianSplattingIsReadAsOne) {
+    const std::string header = "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
+                               "property float scale_0\nproperty float opacity\n";
+    const auto file = cloudScene(header, "0 0 0 0 0 0 -1 0.5\n1 0 0 0 0 0 -1 -1.5\n");
+    expectIn(told(file), "2 points in [0, 0, 0] to [1, 0, 0] m; scale 2.299 m (from the splats' scale_0 to scale_2)");
+    expectIn(told(file), "Gaussian splatting: splats are balls");
+    const gpu::Particle p = particlesOf(Simulation(loadScene(file)))[0];
+    const double through = double(p.sigma_t) * 0.16 * double(p.scale) * 2.5066282746;
+    EXPECT_NEAR(1 - std::exp(-through), 1 / (1 + std::exp(-0.5)), 1e-5) << "opacity of a ray through its centre";
+}
+
+TEST(PointClouds, UnitAxisAndOriginAreTheScenes) {
+    const std::string far = "700000 5300000 400\n700001 5300000 400\n700000 5300002 400\n700000 5300000 403\n";
+    const auto file = cloudScene("", far, "up = 'z'\n");
+    std::ofstream(file, std::ios::app) << "";
+    const std::string text = [&] {
+        std::ifstream in(file);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    }();
+    std::ofstream(file) << "origin = 'auto'\n" << text;
+    const Scene scene = loadScene(file);
+    EXPECT_LT(glm::distance(scene.origin, glm::dvec3(700000, 401, -5300001)), 3) << "turned, too";
+    const std::string lines = told(file);
+    expectIn(lines, "4 points in [700000, 400, -5300002] to [700001, 403, -5300000] m; scale ");
+    const auto millimetres = particlesOf(Simulation(loadScene(cloudScene("", "0 0 0\n1000 0 0\n", "unit = 'mm'\n"))));
+    EXPECT_NEAR(millimetres[1].centre.x, 1, 1e-6f);
+    EXPECT_THROW(loadScene(cloudScene("", "0 0 0\n", "unit = 'mile'\n")), SceneError);
+    EXPECT_THROW(loadScene(cloudScene("", "0 0 0\n", "up = 'w'\n")), SceneError);
+}
+
+TEST(PointClouds, ACloudThatIsTooSmallToBeNearToSaysTheUnit) {
+    expectIn(told(cloudScene("", "0 0 0\n4e-6 0 0\n")), "smaller than a viewer can be near to: medium.unit = 2e+05");
+}
+
+TEST(PointClouds, MorePointsThanASceneMayHaveAreMerged) {
+    constexpr uint32_t kMany = 1'200'000;
+    std::ofstream out(std::filesystem::path(testing::TempDir()) / "layout_many.ply", std::ios::binary);
+    out << "ply\nformat binary_little_endian 1.0\nelement vertex " << kMany
+        << "\nproperty float x\nproperty float y\nproperty float z\nproperty float scale\nproperty float sigma_t\n"
+           "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+    double mass = 0;
+    for (uint32_t i = 0; i < kMany; ++i) {
+        const float row[5]{float(i % 100), float(i / 100 % 100), float(i / 10000), 1, float(i % 7 + 1)};
+        out.write(reinterpret_cast<const char*>(row), sizeof row).write("\xff\x33\0", 3);
+        mass += i % 7 + 1;
+    }
+    out.close();
+    std::ofstream(std::filesystem::path(testing::TempDir()) / "layout_many.toml")
+        << "[medium]\nlayout = 'file'\nfile = 'layout_many.ply'\n";
+    const Scene scene = loadScene(std::filesystem::path(testing::TempDir()) / "layout_many.toml");
+    const Simulation simulation(scene);
+    const auto particles = particlesOf(simulation);
+    EXPECT_LE(particles.size(), 1'000'000u);
+    EXPECT_GT(particles.size(), 100'000u);
+    double kept = 0;
+    for (const gpu::Particle& p : particles) kept += double(p.sigma_t) * std::pow(double(p.scale), 3);
+    EXPECT_NEAR(kept / mass, 1, 1e-5) << "the integral of the extinction";
+    EXPECT_NEAR(particles[0].albedo.y, 0.2f, 1e-6f);
+    ASSERT_EQ(simulation.pointCloud()->notes.size(), 1u);
+    expectIn(simulation.pointCloud()->notes[0], "1200000 points are merged to ");
 }
 
 // Four corners of a cube with edges of 2 m, and the middle tetrahedron of its five. `medium`: rest of the scene.
@@ -298,7 +355,7 @@ TEST(PointClouds, NamesOfAFileAreSafeToShow) {
 
 TEST(PointClouds, LeftOutPointsAreToldWithTheFirstReason) {
     const std::string lines = told(cloudScene("property float scale\n", "0 0 0 1\n1 0 0 0\n2 0 0 -1\n"));
-    expectIn(lines, "dropped 2 of 3 points; the first, line 10: scale is 0; allowed: 0.001 to 1000\n");
+    expectIn(lines, "dropped 2 of 3 points; the first, line 10: scale is 0; allowed: 0.001 to 100000\n");
 }
 
 TEST(PointClouds, ACameraThatSeesNoneIsToldWhereToStand) {
@@ -333,4 +390,4 @@ TEST(PointClouds, PlacesAreToldInTheWorld) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::point_cloud_test

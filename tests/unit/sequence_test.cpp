@@ -84,6 +84,25 @@ TEST_F(Sequences, PointsWithoutAnExtinctionHaveThatOfTheFirstFile) {
     EXPECT_FLOAT_EQ(particlesOf(simulation).front().sigma_t, 2 * alone);
 }
 
+// Smoke has not begun, and ends.
+TEST_F(Sequences, FilesWithoutPointsAreMomentsWithoutAny) {
+    put("smoke-001.ply", kXyz, "");
+    put("smoke-002.ply", kXyz, "0 0 0\n1 0 0\n");
+    put("smoke-003.ply", kXyz, "");
+    const Scene played = scene();
+    Simulation simulation(played);
+    EXPECT_EQ(simulation.liveCount(), 0u);
+    EXPECT_NE(pointCloudLine(played, simulation).find("0 to 2 points"), std::string::npos);
+    EXPECT_TRUE(pointCloudWarnings(played, simulation).empty());
+    run(simulation, 6);
+    EXPECT_EQ(xs(simulation), (Floats{0, 1}));
+    run(simulation, 6);
+    EXPECT_EQ(simulation.liveCount(), 0u);
+    EXPECT_EQ(standIn(played).medium.file.filename(), "smoke-002.ply");
+    put("smoke-002.ply", kXyz, "");
+    EXPECT_THROW(Simulation{scene()}, SceneError);
+}
+
 // Six steps from file to file. Point 7 is in all, 5 in the first only, 9 from the second on; rows are in no order.
 TEST_F(Sequences, PointsWithIdsMoveEvenlyAndOthersComeAndGoWithTheirFiles) {
     put("smoke-004.ply", kOwn, "0 0 0 7 1 2 1 0 0.5\n50 0 0 5 1 2 1 1 1\n");

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/ply.h"
+#include "common/ply/ply.h"
 #include "common/scene.h"
 
 namespace brume {

@@ -10,4 +10,7 @@ double depthOf(double x);
 // Cube root, within 2e-16 of it, relative. Precondition: x is 0 or a normal number above.
 double cubeRoot(double x);
 
+// e^x, within 4e-16 of it, relative. x is brought into [-700, 700]; of NaN it is NaN.
+double exponential(double x);
+
 } // namespace brume

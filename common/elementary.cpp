@@ -1,4 +1,4 @@
-#include "server/sim/elementary.h"
+#include "common/elementary.h"
 
 #include <bit>
 #include <cstdint>
@@ -27,6 +27,21 @@ double cubeRoot(double x) {
     double root = std::bit_cast<double>(std::bit_cast<uint64_t>(x) / 3 + kBias);
     for (int i = 0; i < 4; ++i) root -= (root - x / (root * root)) / 3;
     return root;
+}
+
+// e^x = 2^n e^r with |r| <= log(2) / 2: a Taylor series, whose first term left out is below 1e-17. log(2) has two
+// parts, of which the first has so few bits that n times it is exact.
+double exponential(double x) {
+    constexpr int kTerms = 14;
+    constexpr double kLog2 = 0x1.62e42fee00000p-1, kRest = 0x1.a39ef35793c76p-33;
+    if (!(x == x)) return x;
+    x = x < -700 ? -700 : x > 700 ? 700 : x;
+    const double turns = x / std::numbers::ln2;
+    const int n = int(turns < 0 ? turns - 0.5 : turns + 0.5);
+    const double r = (x - n * kLog2) - n * kRest;
+    double sum = 1;
+    for (int i = kTerms; i > 0; --i) sum = 1 + r / i * sum;
+    return sum * std::bit_cast<double>(uint64_t(1023 + n) << 52);
 }
 
 } // namespace brume

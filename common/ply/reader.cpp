@@ -1,4 +1,4 @@
-#include "common/ply_reader.h"
+#include "common/ply/reader.h"
 
 #include <algorithm>
 #include <bit>
@@ -16,7 +16,8 @@ namespace brume::ply {
 
 namespace {
 
-constexpr size_t kLongestLine = 1024, kMostLines = 512; // a header's limits, in bytes and in lines
+constexpr size_t kMostHeaderBytes = 1 << 20, kMostLines = 20'000;
+constexpr size_t kLongestLine = 1024;                   // bytes, of a header line that is no comment
 constexpr size_t kLongestName = 40, kLongestList = 200; // bytes, in messages
 constexpr std::string_view kBlank = " \t\r\n\v\f";
 
@@ -32,7 +33,13 @@ bool isNumber(std::string_view text, double& number) {
     const auto [stop, error] = std::from_chars(text.data() + text.starts_with('+'), last, number);
     // What is too large or too small for a double is dropped with its point.
     if (error == std::errc::result_out_of_range) number = std::numeric_limits<double>::infinity();
-    return stop == last && (error == std::errc() || error == std::errc::result_out_of_range);
+    if (stop == last && (error == std::errc() || error == std::errc::result_out_of_range)) return true;
+    // Programs of one compiler write "-1.#IND", "1.#QNAN" and "1.#INF".
+    const size_t mark = text.find("1.#");
+    if (mark > 1 || (mark == 1 && text[0] != '-' && text[0] != '+')) return false;
+    const bool infinite = text.substr(mark + 3).starts_with("INF");
+    number = infinite ? std::numeric_limits<double>::infinity() : std::numeric_limits<double>::quiet_NaN();
+    return true;
 }
 
 } // namespace
@@ -41,8 +48,23 @@ std::string shortened(std::string_view text, size_t most) {
     return text.size() <= most ? std::string(text) : std::string(text.substr(0, most)) + "...";
 }
 
+std::string rowsText(uint64_t count) { return fmt::format("{} row{}", count, count == 1 ? "" : "s"); }
+
+Reader::Reader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    const size_t end = text_.find_first_of("\r\n");
+    if (end != text_.npos && text_.substr(end, 2) != "\r\n") line_end_ = text_[end];
+}
+
 void Reader::fail(const std::string& what) const {
     throw SceneError(oneLine(file_ + (in_header_ && line_ ? ':' + std::to_string(line_) : "") + ": PLY: " + what));
+}
+
+size_t Reader::find(const Element& element, std::string_view name) const {
+    const size_t found = element.find(name);
+    for (size_t p = found + 1; p < element.properties.size(); ++p)
+        if (element.properties[p].name == name) fail(fmt::format("{} property {} is there twice", element.name, name));
+    return found;
 }
 
 void Reader::failAt(const Property& property, const std::string& what) const {
@@ -61,8 +83,8 @@ void Reader::failShort(const Property& property) const {
 }
 
 void Reader::failLine() const {
-    const size_t begin = text_.rfind('\n', row_at_) + 1; // npos + 1 is 0
-    const std::string_view line = text_.substr(begin, text_.find('\n', row_at_) - begin);
+    const size_t begin = text_.rfind(line_end_, row_at_) + 1; // npos + 1 is 0
+    const std::string_view line = text_.substr(begin, text_.find(line_end_, row_at_) - begin);
     size_t values = 0;
     for (size_t at = 0; (at = line.find_first_not_of(kBlank, at)) != line.npos; ++values)
         at = std::min(line.find_first_of(kBlank, at), line.size());
@@ -75,28 +97,31 @@ void Reader::failLine() const {
 }
 
 std::string_view Reader::headerLine() {
-    if (++line_ > kMostLines) fail("the header has more than 512 lines; is end_header missing?");
-    const size_t end = text_.find('\n', at_);
+    if (++line_ > kMostLines) fail("the header has more than 20000 lines; is end_header missing?");
+    const size_t end = text_.find(line_end_, at_);
     if (end == std::string_view::npos) {
-        const bool no_lines = at_ == 0 && text_.starts_with("ply") && text_.find('\r') == std::string_view::npos;
+        const bool no_lines = line_ == 1 && text_.starts_with("ply") && text_.find('\r') == std::string_view::npos;
         fail(std::string("the file ends inside its header; expected end_header") +
              (no_lines ? "; sent with curl -d? It takes out line ends: use --data-binary" : ""));
     }
-    if (end - at_ > kLongestLine) fail("a header line is longer than 1024 bytes; allowed: the header of a PLY file");
     std::string_view line = text_.substr(at_, end - at_);
+    if (end > kMostHeaderBytes) fail("the header is longer than 1 MiB; is end_header missing?");
     at_ = end + 1;
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line_end_ == '\n' && line.ends_with('\r')) line.remove_suffix(1);
+    if (line.size() > kLongestLine && !line.starts_with("comment") && !line.starts_with("obj_info"))
+        fail("a header line is longer than 1024 bytes; expected a PLY file, whose comments alone may be so long");
     return line;
 }
 
-void Reader::beginBody(bool ascii) {
-    ascii_ = ascii;
+void Reader::beginBody(Format format) {
+    ascii_ = format == Format::ascii;
+    swapped_ = format == Format::big_endian;
     in_header_ = false;
     ++line_;
 }
 
 void Reader::skipBlanks() {
-    for (; at_ < text_.size() && kBlank.find(text_[at_]) != kBlank.npos; ++at_) line_ += text_[at_] == '\n';
+    for (; at_ < text_.size() && kBlank.find(text_[at_]) != kBlank.npos; ++at_) line_ += text_[at_] == line_end_;
 }
 
 void Reader::beginRow(const Element& element, uint64_t row) {
@@ -114,9 +139,7 @@ void Reader::endRow() {
     if (line_ == row_line_ && at_ < text_.size()) failLine();
 }
 
-std::string Reader::rowName() const {
-    return ascii_ ? fmt::format("line {}", row_line_) : fmt::format("row {}", row_ + 1);
-}
+std::string Reader::rowName(size_t number) const { return fmt::format("{} {}", ascii_ ? "line" : "row", number); }
 
 uint64_t Reader::length(const Property& property) {
     const double number = ascii_ ? asciiValue(property) : binaryValue(property, *property.list);
@@ -165,10 +188,11 @@ double Reader::asciiValue(const Property& property) {
 template <class T>
 double Reader::take(const Property& property) {
     if (text_.size() - at_ < sizeof(T)) failShort(property);
-    T number;
-    std::memcpy(&number, text_.data() + at_, sizeof(T));
+    std::array<char, sizeof(T)> bytes;
+    std::memcpy(bytes.data(), text_.data() + at_, sizeof(T));
     at_ += sizeof(T);
-    return static_cast<double>(number);
+    if (swapped_) std::ranges::reverse(bytes);
+    return static_cast<double>(std::bit_cast<T>(bytes));
 }
 
 double Reader::binaryValue(const Property& property, Type type) {
@@ -186,6 +210,10 @@ double Reader::binaryValue(const Property& property, Type type) {
         return take<int32_t>(property);
     case Type::u32:
         return take<uint32_t>(property);
+    case Type::i64:
+        return take<int64_t>(property);
+    case Type::u64:
+        return take<uint64_t>(property);
     case Type::f32:
         return take<float>(property);
     case Type::f64:

@@ -1,0 +1,76 @@
+#include "common/ply/extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace brume::ply {
+namespace {
+
+constexpr double kInside = 0.98;     // of the points
+constexpr double kFar = 20;          // radii
+constexpr size_t kFewest = 50;       // points, of which some can be told to be far from the others
+constexpr double kFarFromOne = 2000; // m, which are told as km
+
+// The distance along the axis where it is largest. 0 for a place that is not finite: it is dropped otherwise.
+double distanceOf(glm::dvec3 place, glm::dvec3 middle) {
+    const glm::dvec3 d = glm::abs(place - middle);
+    const double most = std::max({d.x, d.y, d.z});
+    return std::isfinite(d.x + d.y + d.z) ? most : 0;
+}
+
+} // namespace
+
+glm::dvec3 turned(glm::dvec3 place, const std::string& up) {
+    if (up == "x") return {-place.y, place.x, place.z};
+    if (up == "z") return {place.x, place.z, -place.y};
+    if (up == "-y") return {place.x, -place.y, -place.z};
+    return place;
+}
+
+glm::dvec3 placeOf(const Points& points, size_t i, const std::string& up) {
+    return turned({points.columns[kX][i], points.columns[kY][i], points.columns[kZ][i]}, up);
+}
+
+PlyExtent extentOf(const Points& points, const std::string& up) {
+    PlyExtent out;
+    std::vector<glm::dvec3> places;
+    for (size_t i = 0; i < points.count(); ++i) {
+        const glm::dvec3 place = placeOf(points, i, up);
+        if (std::isfinite(place.x + place.y + place.z)) places.push_back(place);
+    }
+    out.count = places.size();
+    if (places.empty()) return out;
+    std::vector<double> numbers(places.size());
+    const auto at = [&](double part) { // of all numbers so many are below it
+        const auto nth = numbers.begin() + std::ptrdiff_t(part * double(numbers.size() - 1));
+        std::nth_element(numbers.begin(), nth, numbers.end());
+        return *nth;
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        std::ranges::transform(places, numbers.begin(), [&](const glm::dvec3& place) { return place[axis]; });
+        out.middle[axis] = at(0.5);
+    }
+    std::ranges::transform(places, numbers.begin(), [&](const glm::dvec3& p) { return distanceOf(p, out.middle); });
+    out.radius = at(places.size() < kFewest ? 1 : kInside);
+    if (!(out.radius > 0)) return out;
+    for (const double distance : numbers)
+        if (distance > kFar * out.radius) ++out.far, out.farthest = std::max(out.farthest, distance);
+    return out;
+}
+
+bool isFar(const PlyExtent& extent, glm::dvec3 place) {
+    return extent.far > 0 && distanceOf(place, extent.middle) > kFar * extent.radius;
+}
+
+std::string farText(const PlyExtent& extent, double unit) {
+    const double metres = extent.farthest * unit;
+    const std::string distance =
+        metres < kFarFromOne ? fmt::format("{:.4g} m", metres) : fmt::format("{:.4g} km", metres / 1000);
+    return extent.far == 1 ? fmt::format("1 point is {} from the others", distance)
+                           : fmt::format("{} points are up to {} from the others", extent.far, distance);
+}
+
+} // namespace brume::ply
