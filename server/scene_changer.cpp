@@ -9,6 +9,7 @@
 
 #include "common/numbered_files.h"
 #include "common/ply/ply.h"
+#include "common/ply/upload_frame.h"
 #include "common/scene_text.h"
 #include "common/text.h"
 #include "server/operate/uploaded_clouds.h"
@@ -80,49 +81,52 @@ SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, con
 SceneChanger::~SceneChanger() { server_.audience.sceneRequests().serve(nullptr); }
 
 void SceneChanger::serveRequests() {
-    while (const auto request = server_.audience.sceneRequests().take()) request->answer(change(*request));
+    while (const auto request = server_.audience.sceneRequests().take()) request->answer(change(request->wish));
 }
 
-// The reason why the old scene stays; empty: the wished one is shown.
-std::string SceneChanger::change(const SceneRequest& request) {
-    if (server_.fixed) return server_.fixed;
+SceneAnswer SceneChanger::change(const SceneWish& wish) {
+    const UploadedClouds clouds(options_.cloud_dir);
+    if (server_.fixed) return {.complaint = server_.fixed, .notes = {}};
     try {
-        if (!request.points.empty()) {
-            const Preparing preparing(server_.audience, request.name);
-            showCloud(request);
-            return {};
+        if (!wish.points.empty()) {
+            const Preparing preparing(server_.audience, wish.name);
+            return showCloud(wish);
         }
         const std::vector<std::string> names = otherScenes(options_);
-        if (std::find(names.begin(), names.end(), request.name) == names.end())
-            return fmt::format("no scene of that name; there are: {}", fmt::join(names, ", "));
-        const Preparing preparing(server_.audience, request.name); // once it is known to be a scene
-        const std::vector<std::string> clouds = sceneNames(options_.cloud_dir);
-        const bool uploaded = std::find(clouds.begin(), clouds.end(), request.name) != clouds.end();
-        fs::path file = (uploaded ? options_.cloud_dir : options_.scene_dir) / (request.name + ".toml");
+        if (std::find(names.begin(), names.end(), wish.name) == names.end())
+            return {.complaint = fmt::format("no scene of that name; there are: {}", fmt::join(names, ", ")),
+                    .notes = {}};
+        const Preparing preparing(server_.audience, wish.name); // once it is known to be a scene
+        const std::vector<std::string> kept = sceneNames(options_.cloud_dir);
+        const bool uploaded = std::find(kept.begin(), kept.end(), wish.name) != kept.end();
+        fs::path file = (uploaded ? options_.cloud_dir : options_.scene_dir) / (wish.name + ".toml");
         std::error_code error;
         if (!fs::exists(file, error)) file = findScene(options_.scene, options_.scene_dir); // the scene of the start
-        show(filesOf(file, rendererOverrides(options_)));
-        return {};
+        return show(filesOf(file, rendererOverrides(options_)));
     } catch (const std::exception&) {
         const std::string reason = why(std::current_exception());
         spdlog::error("the scene stays: {}", reason);
-        return request.points.empty() ? reason : UploadedClouds(options_.cloud_dir).withoutFolders(reason);
+        return {.complaint = wish.points.empty() ? reason : clouds.withoutFolders(reason), .notes = {}};
     }
 }
 
 // The points, or the tetrahedra, become a scene file beside them, with a camera that sees all of them. Nothing is
 // replaced before it is known to be good: show() then finds nothing wrong but what the device lacks.
-void SceneChanger::showCloud(const SceneRequest& request) {
+SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
-    if (std::find(own.begin(), own.end(), request.name) != own.end() ||
-        request.name == fs::path(options_.scene).stem().string())
-        throw SceneError("there is a scene '" + request.name + "' already: give another with ?name=");
+    if (std::find(own.begin(), own.end(), wish.name) != own.end() ||
+        wish.name == fs::path(options_.scene).stem().string())
+        throw SceneError("there is a scene '" + wish.name + "' already: give another with ?name=");
     const UploadedClouds clouds(options_.cloud_dir);
-    UploadedClouds::Incoming incoming = clouds.take(request.name, request.points);
-    const char* const model = holdsTetrahedra(request.points, request.name + ".ply") ? kTetrahedraMedium : kSumMedium;
-    Scene scene =
-        sceneOf(fmt::format("[medium]\nmodel = \"{}\"\nlayout = \"file\"\nfile = \"{}.ply\"\n", model, request.name),
-                incoming.scene(), {});
+    UploadedClouds::Incoming incoming = clouds.take(wish.name, wish.points);
+    const std::string file = wish.name + ".ply";
+    const char* const model = holdsTetrahedra(wish.points, file) ? kTetrahedraMedium : kSumMedium;
+    const UploadFrame frame(extentOf(wish.points, file, wish.options.up), wish.options);
+    Scene scene = sceneOf(fmt::format("origin = [{:.1f}, {:.1f}, {:.1f}]\n[medium]\nmodel = \"{}\"\nlayout = \"file\"\n"
+                                      "file = \"{}\"\nunit = {}\nup = \"{}\"\nfar_points = \"{}\"\n",
+                                      frame.origin.x, frame.origin.y, frame.origin.z, model, file, frame.unit,
+                                      wish.options.up, wish.options.keep_far ? "keep" : "drop"),
+                          incoming.scene(), {});
     placeCamera(scene);
     // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
     scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
@@ -131,7 +135,9 @@ void SceneChanger::showCloud(const SceneRequest& request) {
     const Scene wanted = sceneOf(text, incoming.scene(), overrides);
     checkScene(wanted, incoming.scene(), overrides);
     boundedCapacity(wanted, Simulation(wanted, options_.frame.memory), options_.frame.memory);
-    show(filesOf(incoming.keep(text), overrides));
+    SceneAnswer answer = show(filesOf(incoming.keep(text), overrides));
+    answer.notes.insert(answer.notes.end(), frame.notes.begin(), frame.notes.end());
+    return answer;
 }
 
 void SceneChanger::reload(const ServerOptions& options) {
@@ -150,18 +156,24 @@ void SceneChanger::reload(const ServerOptions& options) {
     }
 }
 
-void SceneChanger::show(const Files& files) {
+SceneAnswer SceneChanger::show(const Files& files) {
     const Preparing preparing(server_.audience, files.scene.stem().string());
     Scene scene = sceneOf(files.text, files.scene, files.overrides);
     checkScene(scene, files.scene, files.overrides);
     placeCamera(scene);
-    show(std::move(scene), files);
+    return show(std::move(scene), files);
 }
 
 // Waits until the frame loop shows it. Throws what keeps the frame loop from it.
-void SceneChanger::show(Scene scene, const Files& files) {
+SceneAnswer SceneChanger::show(Scene scene, const Files& files) {
     Simulation simulation(scene, options_.frame.memory);
-    tellOfPointCloud(scene, simulation);
+    SceneAnswer answer{.complaint = {}, .notes = tellOfPointCloud(scene, simulation)};
+    for (std::string& note : answer.notes) note = UploadedClouds(options_.cloud_dir).withoutFolders(note);
+    if (simulation.pointCloud()) {
+        answer.points = simulation.liveCount();
+        answer.lo = scene.origin + glm::dvec3(simulation.bounds().lo);
+        answer.hi = scene.origin + glm::dvec3(simulation.bounds().hi);
+    }
     compilers_.prepare(scene);
     const RecordingHead head = recordingHead(files.scene, scene, files.overrides);
     std::future<void> shown = server_.frames.replaceScene(
@@ -174,6 +186,7 @@ void SceneChanger::show(Scene scene, const Files& files) {
     *shown_ = files;
     spdlog::info("scene '{}' is shown", scene.name);
     compile(scene);
+    return answer;
 }
 
 void SceneChanger::compile(const Scene& scene) {

@@ -42,10 +42,10 @@ public:
 private:
     struct Files; // the files of a scene, as they were when it was loaded
 
-    std::string change(const SceneRequest& request);
-    void showCloud(const SceneRequest& request);
-    void show(const Files& files);
-    void show(Scene scene, const Files& files);
+    SceneAnswer change(const SceneWish& wish);
+    SceneAnswer showCloud(const SceneWish& wish);
+    SceneAnswer show(const Files& files);
+    SceneAnswer show(Scene scene, const Files& files);
     Files filesOf(std::filesystem::path file, std::vector<std::string> overrides) const;
     void compile(const Scene& scene);
 

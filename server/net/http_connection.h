@@ -65,8 +65,7 @@ private:
     // http_scenes.cpp
     asio::awaitable<bool> showScene(const HttpRequest& request, std::string_view query);
     asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query, Authorization authorization);
-    asio::awaitable<bool> change(const HttpRequest& request, std::string_view route, std::string name,
-                                 std::string points);
+    asio::awaitable<bool> change(const HttpRequest& request, std::string_view route, SceneWish scene);
     Reply sceneFile(std::string_view query) const;
     asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
     void share(const HttpRequest& request, Reply& reply) const;

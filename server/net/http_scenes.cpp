@@ -6,8 +6,10 @@
 #include <boost/beast/http/rfc7230.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "common/scene_text.h"
+#include "server/net/cloud_query.h"
 #include "server/net/http_connection.h"
 #include "server/net/picture_query.h"
 #include "server/net/uri.h"
@@ -23,14 +25,6 @@ constexpr double kLeastPace = 32 << 10;
 constexpr std::chrono::seconds kPaceGrace{10};
 constexpr uint32_t kMostUploads = 4;                  // at a time; each is in memory
 constexpr auto kLoadWithin = std::chrono::minutes(2); // new shaders take a driver half a minute
-constexpr char kUploaded[] = "uploaded";              // name of a cloud to which none was given
-constexpr size_t kLongestFileName = 40;
-
-bool isFileName(std::string_view name) {
-    return !name.empty() && name.size() <= kLongestFileName && std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-    });
-}
 
 // The query's `name`; nothing when there is another field than it and the token.
 std::optional<std::string> nameIn(std::string_view query) {
@@ -42,6 +36,32 @@ std::optional<std::string> nameIn(std::string_view query) {
         if (key != "name" && key != "token") return {};
     }
     return name;
+}
+
+// True: the sender asks for JSON.
+bool wantsJson(const HttpRequest& request) {
+    return request[http::field::accept].find("application/json") != std::string_view::npos;
+}
+
+// What the shown scene's points are, for people: a line, and below it one for each note.
+std::string plainText(const std::string& scene, const SceneAnswer& answer) {
+    std::string text = fmt::format("scene '{}' is shown", scene);
+    if (answer.points > 0)
+        text += fmt::format(": {} points in [{:.7g}, {:.7g}, {:.7g}] to [{:.7g}, {:.7g}, {:.7g}] m", answer.points,
+                            answer.lo.x, answer.lo.y, answer.lo.z, answer.hi.x, answer.hi.y, answer.hi.z);
+    for (const std::string& note : answer.notes) text += '\n' + note;
+    return text;
+}
+
+// The same for programs.
+std::string jsonText(const std::string& scene, const SceneAnswer& answer) {
+    nlohmann::ordered_json json{{"scene", scene}};
+    if (answer.points > 0) {
+        json["points"] = answer.points;
+        json["box"] = {{answer.lo.x, answer.lo.y, answer.lo.z}, {answer.hi.x, answer.hi.y, answer.hi.z}};
+    }
+    json["notes"] = answer.notes;
+    return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 // The scene with the values that its live settings have now.
@@ -68,20 +88,18 @@ asio::awaitable<bool> HttpConnection::showScene(const HttpRequest& request, std:
     std::optional<std::string> name = nameIn(query);
     if (!name || name->empty())
         co_return co_await send(request, "scene", lineReply(400, "which scene? /scene?name=cumulus"));
-    co_return co_await change(request, "scene", *std::move(name), {});
+    SceneWish wish{.name = *std::move(name), .points = {}, .options = {}}; // GCC 12 frees an unnamed one twice
+    co_return co_await change(request, "scene", std::move(wish));
 }
 
 // The request's body is a PLY file. It is held in memory until the scene is made of it.
 asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::string_view query,
                                                 Authorization authorization) {
     const HttpRequest& request = parser.get();
-    std::string name = nameIn(query).value_or("?");
-    if (name.empty()) name = kUploaded;
-    if (!isFileName(name))
-        co_return co_await send(
-            request, "cloud",
-            lineReply(400, fmt::format("a cloud's name has letters, digits, - and _, at most {}: /cloud?name=my-cloud",
-                                       kLongestFileName)));
+    auto wished = readCloudQuery(query);
+    if (const auto* wrong = std::get_if<std::string>(&wished))
+        co_return co_await send(request, "cloud", lineReply(400, *wrong));
+    SceneWish wish = std::get<SceneWish>(std::move(wished));
     if (request[http::field::content_type].starts_with("multipart/"))
         co_return co_await send(
             request, "cloud", lineReply(415, "this is a form: send the file's bytes alone (curl --data-binary @FILE)"));
@@ -109,15 +127,15 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
     unread_ = false;
     if (whole.get().body().empty())
         co_return co_await send(head, "cloud", lineReply(400, "the body is empty: send a PLY file"));
-    co_return co_await change(head, "cloud", std::move(name), std::move(whole.get().body()));
+    wish.points = std::move(whole.get().body());
+    co_return co_await change(head, "cloud", std::move(wish));
 }
 
 // Answers once the scene is shown, or with the reason why the old one stays.
-asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::string_view route, std::string name,
-                                             std::string points) {
+asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::string_view route, SceneWish scene) {
     if (context_->audience.replay())
         co_return co_await send(request, route, lineReply(409, "this is a replay: it shows the recorded scene alone"));
-    const auto wish = std::make_shared<SceneRequest>(std::move(name), std::move(points), event_->notifier());
+    const auto wish = std::make_shared<SceneRequest>(std::move(scene), event_->notifier());
     if (!context_->audience.sceneRequests().push(wish))
         co_return co_await sendLater(request, route, "other scenes are being loaded");
     const auto deadline = Clock::now() + kLoadWithin;
@@ -126,9 +144,12 @@ asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::st
         co_return co_await send(request, route,
                                 lineReply(202, "it takes long to load, and is shown once it is loaded"));
     if (!wish->answered()) co_return co_await sendLater(request, route, "the server stops");
-    if (!wish->complaint().empty()) co_return co_await send(request, route, lineReply(422, wish->complaint()));
+    const SceneAnswer& answer = wish->answer();
+    if (!answer.complaint.empty()) co_return co_await send(request, route, lineReply(422, answer.complaint));
     const std::shared_ptr<const SceneReport> report = context_->audience.report();
-    Reply reply = lineReply(200, fmt::format("scene '{}' is shown", context_->audience.scene()->scene.name));
+    const std::string name = context_->audience.scene()->scene.name;
+    Reply reply = lineReply(200, plainText(name, answer));
+    if (wantsJson(request)) reply.content_type = "application/json", reply.body = jsonText(name, answer);
     reply.headers = {{"Brume-Tick", fmt::format("{}", report->tick)},
                      {"Brume-State", fmt::format("{:016x}", report->state_hash)},
                      {"Cache-Control", "no-store"}};

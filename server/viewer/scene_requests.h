@@ -8,31 +8,46 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
+
+#include "common/ply/upload_frame.h"
 
 namespace brume {
 
+struct SceneWish {
+    std::string name;      // of the scene to show
+    std::string points;    // empty, or the bytes of a PLY file, which become a scene of that name
+    UploadOptions options; // of these
+};
+
+struct SceneAnswer {
+    std::string complaint; // why the old scene stays, one line; empty: the wished one is shown
+    // Of a scene of point clouds: how many points there are and where, m, in the world; and one line each of what they
+    // came with, and of what was guessed, left out or passed over.
+    size_t points = 0;
+    glm::dvec3 lo{0}, hi{0};
+    std::vector<std::string> notes;
+};
+
 class SceneRequest {
 public:
-    // `scene`: name of the scene to show. `ply`: empty, or the bytes of a PLY file, which become a scene of that name.
     // `notify`: called once by the thread that answers.
-    SceneRequest(std::string scene, std::string ply, std::function<void()> notify)
-        : name(std::move(scene)), points(std::move(ply)), notify_(std::move(notify)) {}
+    SceneRequest(SceneWish of, std::function<void()> notify) : wish(std::move(of)), notify_(std::move(notify)) {}
 
-    const std::string name, points; // as in the constructor
+    const SceneWish wish;
 
-    // `complaint`: why the old scene stays, one line; empty: the wished one is shown.
-    void answer(std::string complaint) {
-        complaint_ = std::move(complaint);
+    void answer(SceneAnswer given) {
+        answer_ = std::move(given);
         answered_ = true;
         notify_();
     }
     bool answered() const { return answered_; }
     // Precondition: answered().
-    const std::string& complaint() const { return complaint_; }
+    const SceneAnswer& answer() const { return answer_; }
 
 private:
     const std::function<void()> notify_;
-    std::string complaint_;
+    SceneAnswer answer_;
     std::atomic<bool> answered_{false};
 };
 

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "common/scene_text.h"
 #include "tests/integration/http.h"
@@ -141,6 +142,73 @@ TEST_F(Scenes, AnUploadWithTetrahedraIsShownAsThese) {
     ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
     EXPECT_EQ(a.session.granted().scene, "mesh");
     EXPECT_EQ(loadScene(fs::path(clouds()) / "mesh.toml").medium.model, "tetrahedra");
+}
+
+// A file of points at those places, a line each.
+std::string placed(const std::string& places) {
+    return "ply\nformat ascii 1.0\nelement vertex " + std::to_string(std::ranges::count(places, '\n')) +
+           "\nproperty double x\nproperty double y\nproperty double z\nend_header\n" + places;
+}
+// 125 points of a cube, `step` from one to the next.
+std::string cube(double step) {
+    std::string places;
+    for (int i = 0; i < 125; ++i)
+        places += std::to_string(i % 5 * step) + ' ' + std::to_string(i / 5 % 5 * step) + ' ' +
+                  std::to_string(i / 25 * step) + '\n';
+    return places;
+}
+
+// By how many levels of red the middle of a picture differs from its left side, where the sky is equally bright.
+int middleAgainstSide(const client::Picture& picture) {
+    const auto red = [&](int x) { return int(picture.rgb[size_t(3 * (picture.height / 2 * picture.width + x))]); };
+    return std::abs(red(picture.width / 2) - red(2));
+}
+
+// Wherever a cloud is and whatever its unit, it is in the middle of the picture, and the answer says what was done.
+TEST_F(Scenes, AnUploadedCloudIsSeenWhereverItIs) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    const struct {
+        std::string places, query, says;
+    } all[]{
+        {cube(1), "", "shown: 125 points in [0, 0, 0] to [4, 4, 4] m\n"},
+        {cube(1) + "40000 0 0\n", "", "1 point is 40 km from the others and left out"},
+        {"0 0 0\n1e-6 0 0\n0 1e-6 0\n0 0 4e-6\n", "", "shown 1e+06 times as large"},
+        {"0 0 0\n100000 0 0\n0 100000 0\n0 0 400000\n", "", "shown 0.01 times as large"},
+        {"700000 5300000 400\n700001 5300000 400\n700000 5300002 400\n700000 5300000 403\n", "&origin=auto",
+         "origin is moved to the points: [700000, 5300000, 400]"},
+        {cube(1000), "&unit=mm", "shown: 125 points in [0, 0, 0] to [4, 4, 4] m\n"},
+        {"0 0 0\n1 0 0\n0 2 0\n0 0 3\n", "&up=z", "in [0, 0, -2] to [1, 3, 0] m"},
+    };
+    for (const auto& one : all) {
+        const HttpReply reply = post(server.port(), "/cloud?name=mine" + one.query, placed(one.places));
+        ASSERT_EQ(reply.status, 200) << reply.body;
+        EXPECT_NE(reply.body.find(one.says), reply.body.npos) << reply.body << "\nnot: " << one.says;
+        EXPECT_EQ(reply.body.find(clouds()), reply.body.npos) << "no folders of the server: " << reply.body;
+        Watcher a(server.endpoint());
+        a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
+        ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+        EXPECT_GT(middleAgainstSide(pictureOf(a.last())), 6) << reply.body;
+    }
+}
+
+TEST_F(Scenes, TheAnswerToAnUploadIsForProgramsToo) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    const std::string file = placed("0 0 0\n1 0 0\n0 2 0\nnan 0 3\n");
+    HttpConnection upload(server.port());
+    upload.send(postHead("/cloud?name=mine", file.size()) + "Accept: application/json\r\n\r\n" + file);
+    const HttpReply reply = upload.readReply();
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    EXPECT_EQ(reply.headers.at("content-type"), "application/json");
+    const nlohmann::json answer = nlohmann::json::parse(reply.body);
+    EXPECT_EQ(answer["scene"], "mine");
+    EXPECT_EQ(answer["points"], 3);
+    EXPECT_EQ(answer["box"], nlohmann::json::parse("[[0, 0, 0], [1, 2, 0]]"));
+    EXPECT_NE(answer["notes"].dump().find("dropped 1 of 4 points"), std::string::npos) << reply.body;
+    for (const char* query : {"unit=mile", "up=w", "origin=1,2", "far_points=some", "size=3"}) {
+        const HttpReply wrong = post(server.port(), std::string("/cloud?") + query, file);
+        EXPECT_EQ(wrong.status, 400) << query;
+        EXPECT_NE(wrong.body.find("/cloud?"), std::string::npos) << wrong.body;
+    }
 }
 
 TEST_F(Scenes, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
