@@ -110,6 +110,19 @@ describe('a PLY file', () => {
     await page.leave();
   });
 
+  test('in another unit and with another axis up is told so, and its answer is shown', async (t) => {
+    const server = await start(t);
+    const page = await openPanel(t, server);
+    await page.getByRole('combobox', { name: 'File’s unit' }).selectOption('mm');
+    await page.getByRole('combobox', { name: 'File’s up axis' }).selectOption('z');
+    const text = ply(0).replace('float scale', 'float other').replace('3 1 0', '3000 1000 7').replaceAll(' 30', ' 1');
+    await drop(page, 'mine.ply', text);
+    const note = page.locator('.note', { hasText: "scene 'mine' is shown" });
+    await note.waitFor();
+    assert.match(await note.textContent(), /3 points in \[0, 0, -1\] to \[3, 0\.007, 0\] m/);
+    await page.leave();
+  });
+
   test('is not for viewers, who may still save', async (t) => {
     const key = join(folder, 'token.key');
     writeFileSync(key, randomBytes(32), { mode: 0o600 });

@@ -24,7 +24,7 @@ import type { Report } from './report';
 import { mayOperate, takeToken } from './role';
 import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
-import { Scenes, chooseFile, cloudName, onDrop, saveFile } from './scenes';
+import { Scenes, chooseFile, cloudName, noteOf, onDrop, saveFile } from './scenes';
 import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
@@ -209,7 +209,8 @@ async function doing(what: string, work: Promise<unknown>): Promise<void> {
   panel.busy(what);
   notices.note(what);
   try {
-    await work;
+    const answer = await work;
+    if (typeof answer === 'string' && answer.includes('\n')) notices.note(noteOf(answer));
   } catch (error) {
     notices.note(sentence(error instanceof Error ? error.message : String(error)), 'error');
     if (viewer().welcome) panel.scene(viewer().welcome?.scene ?? '');
@@ -218,7 +219,7 @@ async function doing(what: string, work: Promise<unknown>): Promise<void> {
 }
 
 const showCloud = (file: File): void =>
-  void doing(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file));
+  void doing(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file, panel.fileFrame()));
 onDrop(mayChoose, (over) => document.body.classList.toggle('dropping', over), showCloud);
 
 async function saveScene(): Promise<void> {

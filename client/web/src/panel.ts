@@ -10,6 +10,8 @@ import { planText } from './plan';
 import type { ErrorLine } from './plan';
 import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
+import { UNITS, UPS } from './scenes';
+import type { FileFrame } from './scenes';
 import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
@@ -50,6 +52,7 @@ export interface Panel {
   handles(age: number): Choosable[]; // of the lists that are open; `age`: of what was told of them, s
   scene(name: string): void; // the one that is shown
   busy(text: string): void; // what is being done with the scene; empty: nothing
+  fileFrame(): FileFrame; // of a file that is opened next
 }
 
 const QUALITIES = [0, 50, 65, 80, 90, 95];
@@ -157,6 +160,11 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const open = button('Open PLY…', 'Show a point cloud of yours to everyone; or drop the file here', () =>
     host.openCloud(),
   );
+  const frame: FileFrame = { unit: 'auto', up: 'y' };
+  const unit = select('File’s unit', (value) => (frame.unit = value), 'Of a point cloud that is opened or dropped');
+  unit.options(UNITS.map((value) => ({ value, text: value })));
+  const up = select('File’s up axis', (value) => (frame.up = value), 'Of a point cloud that is opened or dropped');
+  up.options(UPS.map((value) => ({ value, text: value })));
   const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
   reset.disabled = true;
@@ -169,7 +177,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const place = el('div', { class: 'shared' });
   let shared: SettingGroup[] = [];
   let lists: ListGroup[] = [];
-  const scenes = group('Scene', true, scene.element, el('div', { class: 'actions' }, open, save, reset), doing);
+  const actions = el('div', { class: 'actions' }, open, save, reset);
+  const scenes = group('Scene', true, scene.element, unit.element, up.element, actions, doing);
   root.append(
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
     scenes,
@@ -199,7 +208,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       const operates = mayOperate(welcome.role);
       scene.options([...new Set([...welcome.scenes, welcome.scene])].map((value) => ({ value, text: value })));
       scene.follow(welcome.scene, true);
-      scene.element.inert = open.disabled = !operates;
+      scene.element.inert = unit.element.inert = up.element.inert = open.disabled = !operates;
       const starts = valuesOf(welcome.settings, welcome.starts);
       shared = settingGroups(welcome.settings, welcome.medium, starts, welcome.role, send, {
         render: [plan, measured],
@@ -229,5 +238,6 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     handles: (age) => (root.hidden ? [] : lists.flatMap((list) => list.handles(age))),
     scene: (name) => scene.follow(name, true),
     busy: (text) => setText(doing, text),
+    fileFrame: () => frame,
   };
 }

@@ -12,6 +12,20 @@ export function cloudName(file: string): string {
   return name.slice(0, LONGEST_NAME) || 'uploaded';
 }
 
+// What a viewer says of a file: the server's names, `auto` for a unit that it finds out by itself.
+export interface FileFrame {
+  unit: string;
+  up: string;
+}
+export const UNITS = ['auto', 'm', 'cm', 'mm', 'um', 'km', 'in', 'ft'];
+export const UPS = ['y', 'z', 'x', '-y'];
+
+// The server's answer as a note: what is shown, and what was guessed or left out. Its second line is the log's.
+export function noteOf(answer: string): string {
+  const [shown = '', , ...notes] = answer.split('\n');
+  return [shown, ...notes].join('\n');
+}
+
 export class Scenes {
   constructor(
     private readonly page: string, // address of the server's page
@@ -20,11 +34,12 @@ export class Scenes {
 
   // Each resolves with the server's line, and rejects with one that says why not.
   show(name: string): Promise<string> {
-    return this.post('scene', name);
+    return this.post('scene', encodeURIComponent(name));
   }
 
-  showCloud(file: File): Promise<string> {
-    return this.post('cloud', cloudName(file.name), file);
+  showCloud(file: File, { unit, up }: FileFrame): Promise<string> {
+    const query = `&up=${up}${unit === 'auto' ? '' : `&unit=${unit}`}`;
+    return this.post('cloud', cloudName(file.name) + query, file);
   }
 
   // The scene as it was tuned, seen from this camera, as text.
@@ -38,7 +53,7 @@ export class Scenes {
   }
 
   private post(route: string, name: string, body?: File): Promise<string> {
-    return this.ask(`${route}?name=${encodeURIComponent(name)}`, { method: 'POST', ...(body && { body }) });
+    return this.ask(`${route}?name=${name}`, { method: 'POST', ...(body && { body }) });
   }
 
   private async ask(address: string, request: RequestInit): Promise<string> {
