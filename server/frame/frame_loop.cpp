@@ -92,6 +92,7 @@ void FrameLoop::run() {
             tick();
             if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
         }
+        giveParticles();
         followTicks(sought);
         followLists();
         if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands())) drawing_.draw();
@@ -178,6 +179,21 @@ std::future<void> FrameLoop::replaceScene(NextScene next) {
     next_.emplace(std::move(next));
     next_is_shown_ = {};
     return next_is_shown_.get_future();
+}
+
+void FrameLoop::giveParticles() {
+    const Simulation& simulation = shown_.simulation;
+    while (const auto request = audience_.particleRequests().take()) {
+        TakenParticles taken{.scene = shown_.scene->name,
+                             .tick = simulation.tick(),
+                             .state_hash = simulation.stateHash(),
+                             .first = simulation.firstId(),
+                             .origin = shown_.scene->origin,
+                             .falloff = simulation.now().medium.falloff,
+                             .particles = std::vector<gpu::Particle>(simulation.liveCount())};
+        simulation.write(taken.particles);
+        request->answer(std::move(taken));
+    }
 }
 
 // Shows the scene that waits, if there is one. Nothing of the old one is on the device.

@@ -58,6 +58,7 @@ private:
     void followTicks(bool sought);
     void followLists();
     void takeScene();
+    void giveParticles();
     void goOnFrom(std::span<const std::byte> state);
     void changed();
     void report(Clock::time_point now);

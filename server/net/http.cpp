@@ -179,6 +179,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         if (path == "/scene") return showScene(request, query);
         if (path == "/cloud") return showCloud(parser, query, std::move(authorization));
         if (path == "/scene.toml") return send(request, "scene", sceneFile(query));
+        if (path == "/particles.ply") return particles(request);
         if (path == "/seek") return seek(request, query);
         if (path == "/pause" || path == "/resume") return pause(request, path == "/pause");
     }

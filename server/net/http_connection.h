@@ -66,6 +66,7 @@ private:
     asio::awaitable<bool> showScene(const HttpRequest& request, std::string_view query);
     asio::awaitable<bool> showCloud(RequestParser& parser, std::string_view query, Authorization authorization);
     asio::awaitable<bool> change(const HttpRequest& request, std::string_view route, SceneWish scene);
+    asio::awaitable<bool> particles(const HttpRequest& request);
     Reply sceneFile(std::string_view query) const;
     asio::awaitable<bool> sendLater(const HttpRequest& request, std::string_view route, std::string line);
     void share(const HttpRequest& request, Reply& reply) const;

@@ -1,4 +1,5 @@
-// Another scene while the server runs: POST /scene?name=, POST /cloud (a PLY file), and GET /scene.toml.
+// Another scene while the server runs: POST /scene?name=, POST /cloud (a PLY file); and what there is: GET /scene.toml,
+// GET /particles.ply.
 #include <algorithm>
 
 #include <boost/asio/write.hpp>
@@ -11,6 +12,7 @@
 #include "common/scene_text.h"
 #include "server/net/cloud_query.h"
 #include "server/net/http_connection.h"
+#include "server/net/particles_ply.h"
 #include "server/net/picture_query.h"
 #include "server/net/uri.h"
 
@@ -23,7 +25,8 @@ constexpr auto kUploadWithin = std::chrono::minutes(2);
 // An upload that is slower gives its place up: kLeastPace bytes a second, once kPaceGrace has passed.
 constexpr double kLeastPace = 32 << 10;
 constexpr std::chrono::seconds kPaceGrace{10};
-constexpr uint32_t kMostUploads = 4;                  // at a time; each is in memory
+constexpr uint32_t kMostUploads = 4; // at a time; each is in memory
+constexpr std::chrono::seconds kParticlesWithin{5};
 constexpr auto kLoadWithin = std::chrono::minutes(2); // new shaders take a driver half a minute
 
 // The query's `name`; nothing when there is another field than it and the token.
@@ -154,6 +157,28 @@ asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::st
                      {"Brume-State", fmt::format("{:016x}", report->state_hash)},
                      {"Cache-Control", "no-store"}};
     co_return co_await send(request, route, std::move(reply));
+}
+
+// The particles of a tick, as a file.
+asio::awaitable<bool> HttpConnection::particles(const HttpRequest& request) {
+    const auto wish = std::make_shared<ParticleRequest>(event_->notifier());
+    if (!context_->audience.particleRequests().push(wish))
+        co_return co_await sendLater(request, "particles", "others wait for the particles");
+    const auto deadline = Clock::now() + kParticlesWithin;
+    while (!wish->answered() && Clock::now() < deadline && !context_->stopping) co_await event_->wait(deadline);
+    if (!wish->answered()) co_return co_await sendLater(request, "particles", "no tick comes");
+    const TakenParticles& taken = wish->taken();
+    if (taken.particles.empty())
+        co_return co_await send(request, "particles", lineReply(404, "the scene has no particles now"));
+    Reply reply;
+    reply.content_type = "application/octet-stream";
+    reply.body = particlesPly(taken);
+    const std::string name = fmt::format("{}-{:06}.ply", isFileName(taken.scene) ? taken.scene : "scene", taken.tick);
+    reply.headers = {{"Brume-Tick", fmt::format("{}", taken.tick)},
+                     {"Brume-State", fmt::format("{:016x}", taken.state_hash)},
+                     {"Cache-Control", "no-store"},
+                     {"Content-Disposition", fmt::format("attachment; filename=\"{}\"", name)}};
+    co_return co_await send(request, "particles", std::move(reply));
 }
 
 // The scene as it is now, as a file. The query may give it another camera, as of a picture.

@@ -21,6 +21,7 @@ constexpr Route kRoutes[] = {
     {"/seek", kPost, Role::controller},
     {"/scene", kPost, Role::operator_},
     {"/scene.toml", kRead, Role::viewer},
+    {"/particles.ply", kGet, Role::operator_},
     {"/cloud", kPost, Role::operator_, true},
 };
 

@@ -13,6 +13,7 @@
 #include "server/error/error_window.h"
 #include "server/sim/command.h"
 #include "server/sim/lists.h"
+#include "server/viewer/particle_requests.h"
 #include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
@@ -126,6 +127,7 @@ public:
 
     CommandQueue& commands() { return commands_; }
     SceneRequests& sceneRequests() { return scene_requests_; }
+    ParticleRequests& particleRequests() { return particle_requests_; }
     // Of a recording that is looked at: nothing else takes commands then. Null otherwise.
     ReplayControl* replay() { return replay_.get(); }
     // To be called before viewers come.
@@ -155,6 +157,7 @@ private:
     std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;
     SceneRequests scene_requests_;
+    ParticleRequests particle_requests_;
     std::shared_ptr<ReplayControl> replay_;
     mutable std::mutex mutex_;
     std::vector<std::shared_ptr<Viewer>> viewers_;

@@ -2,15 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/ply/upload_frame.h"
+#include "server/viewer/requests.h"
 
 namespace brume {
 
@@ -51,38 +49,6 @@ private:
     std::atomic<bool> answered_{false};
 };
 
-// Thread-safe.
-class SceneRequests {
-public:
-    // `wake` is called after every push, and at once if requests wait already.
-    void serve(std::function<void()> wake) {
-        const std::scoped_lock lock(mutex_);
-        wake_ = std::move(wake);
-        if (wake_ && !waiting_.empty()) wake_();
-    }
-    // False when too many wait.
-    [[nodiscard]] bool push(std::shared_ptr<SceneRequest> request) {
-        const std::scoped_lock lock(mutex_);
-        if (waiting_.size() >= kMost) return false;
-        waiting_.push_back(std::move(request));
-        if (wake_) wake_();
-        return true;
-    }
-    // The oldest; null when none waits.
-    std::shared_ptr<SceneRequest> take() {
-        const std::scoped_lock lock(mutex_);
-        if (waiting_.empty()) return nullptr;
-        std::shared_ptr<SceneRequest> request = std::move(waiting_.front());
-        waiting_.pop_front();
-        return request;
-    }
-
-private:
-    static constexpr size_t kMost = 4;
-
-    std::mutex mutex_;
-    std::function<void()> wake_;
-    std::deque<std::shared_ptr<SceneRequest>> waiting_;
-};
+using SceneRequests = Requests<SceneRequest>;
 
 } // namespace brume

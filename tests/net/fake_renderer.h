@@ -70,6 +70,9 @@ private:
             audience_.publish(std::make_shared<SceneReport>(report));
             metrics_.ticked(0.25f);
 
+            while (const auto request = audience_.particleRequests().take())
+                request->answer({.scene = "fake", .tick = report.tick, .particles = {gpu::Particle{}}});
+
             audience_.list(viewers);
             for (const auto& viewer : viewers)
                 if (const auto due = takeDue(*viewer)) answer(*viewer, *due, report);
