@@ -44,4 +44,26 @@ double exponential(double x) {
     return sum * std::bit_cast<double>(uint64_t(1023 + n) << 52);
 }
 
+// Of r = x - n pi / 2 with |r| <= pi / 4 both series are short; n says which of them is which, and its sign. pi / 2 has
+// two parts, of which the first has so few bits that n times it is exact.
+double sine(double x) {
+    constexpr int kTerms = 9; // the next one is below 1e-17
+    constexpr double kQuarter = 0x1.921fb54400000p+0, kRest = 0x1.0b4611a626331p-34;
+    const double turns = x * (2 / std::numbers::pi);
+    const auto n = int64_t(turns < 0 ? turns - 0.5 : turns + 0.5);
+    const double r = (x - double(n) * kQuarter) - double(n) * kRest, r2 = r * r;
+    double even = 1, odd = 1;
+    for (int i = kTerms; i > 0; --i) {
+        even = 1 - r2 / double((2 * i - 1) * (2 * i)) * even;
+        odd = 1 - r2 / double(2 * i * (2 * i + 1)) * odd;
+    }
+    const double value = n & 1 ? even : r * odd;
+    return n & 2 ? -value : value;
+}
+
+double cosine(double x) {
+    constexpr double kQuarter = 0x1.921fb54400000p+0, kRest = 0x1.0b4611a626331p-34;
+    return sine(x + kQuarter + kRest);
+}
+
 } // namespace brume

@@ -13,4 +13,8 @@ double cubeRoot(double x);
 // e^x, within 4e-16 of it, relative. x is brought into [-700, 700]; of NaN it is NaN.
 double exponential(double x);
 
+// Sine and cosine of x (rad), within 1e-15. Precondition: |x| < 1e6.
+double sine(double x);
+double cosine(double x);
+
 } // namespace brume

@@ -113,6 +113,7 @@ struct SimulationSettings {
     glm::vec3 volume_velocity{0}; // m/s, the volume drifts
     float volume_swing = 0;       // m, amplitude along x of a slow sway
     float volume_period = 10;     // s, of that sway
+    bool collide = false;         // True: particles do not pass planes, boxes, spheres and meshes
     bool paused = false;
 };
 

@@ -191,6 +191,9 @@ constexpr SceneSetting kBeforeMethods[]{
      {0, limits::kLength.hi},
      "Amplitude of a slow sway along x"},
     {"simulation.volume_period", at<&P::simulation, &S::volume_period>, "s", limits::kPeriod, "Period of that sway"},
+    {"simulation.collide", at<&P::simulation, &S::collide>, "", kNone,
+     "True: particles stop at planes, boxes, spheres and meshes, and slide along them; not of layouts `sequence` and "
+     "`live`"},
     {"simulation.paused", at<&P::simulation, &S::paused>, "", kNone, "True: the particles and the light stand still",
      kControllers},
 

@@ -98,6 +98,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
                          std::to_string(int(limits::kUnionCount.hi)));
     if (scene.tetrahedra && scene.tetrahedra->points != rows)
         throw SceneError(scene.medium.file.string() + ": it changed while it was read; open the scene again");
+    if (scene.simulation.collide && motion->yields()) obstacles.emplace(scene);
     first_step = motion->runUp();
     while (steps < first_step) advance();
     now.light = sunOf(scene); // which the run-up has turned,
@@ -209,6 +210,10 @@ glm::vec3 Simulation::State::volume() const {
 void Simulation::State::advance() {
     ++steps;
     motion->step(*columns, {.number = steps, .volume = volume(), .settings = now.simulation});
+    if (obstacles) {
+        obstacles->follow(now.lists, lists_hash);
+        for (const Rows run : motion->living()) obstacles->stop(*columns, run, kDt);
+    }
     if (now.light.rotate != 0) now.light.to_light = glm::normalize(turned(now.light.to_light, now.light.rotate * kDt));
     for (Light& light : now.lists.lights)
         if (light.orbit != 0) light.position = light.pivot + turned(light.position - light.pivot, light.orbit * kDt);

@@ -10,6 +10,7 @@
 #include "server/sim/columns.h"
 #include "server/sim/layout.h"
 #include "server/sim/motion.h"
+#include "server/sim/obstacles.h"
 #include "server/sim/simulation.h"
 
 namespace brume {
@@ -48,6 +49,7 @@ struct Simulation::State {
     std::optional<PointCloudFacts> cloud;
     std::optional<Columns> columns;
     std::unique_ptr<Motion> motion;
+    std::optional<Obstacles> obstacles; // nothing: particles pass through all that is there
     uint64_t settings_version = 0;
     uint64_t steps = 0, first_step = 0; // simulated so far; and when tick 0 was, after the motion's run-up
     glm::vec3 moved{0};                 // m, the volume, by commands

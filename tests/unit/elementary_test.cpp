@@ -42,6 +42,17 @@ TEST(Elementary, CubeRootIsExactButForTheLastDigit) {
     }
 }
 
+TEST(Elementary, SineAndCosineAreExactButForTheLastDigit) {
+    Random random(1);
+    for (int i = 0; i < 100'000; ++i) {
+        const double x = double(random.uniform(-1000, 1000));
+        ASSERT_NEAR(sine(x), double(std::sin(static_cast<long double>(x))), 1e-15) << x;
+        ASSERT_NEAR(cosine(x), double(std::cos(static_cast<long double>(x))), 2e-13) << x;
+    }
+    EXPECT_EQ(sine(0), 0);
+    EXPECT_EQ(cosine(0), 1);
+}
+
 TEST(Elementary, ExponentialIsExactButForTheLastDigit) {
     EXPECT_EQ(exponential(0), 1);
     EXPECT_EQ(exponential(-1e300), exponential(-700));

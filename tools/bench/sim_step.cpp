@@ -54,4 +54,20 @@ int main(int argc, char** argv) {
     scene.medium.emitter.rate = static_cast<float>(scene.medium.count) / 4.001f;
     measure("emitter", scene, {});
     measure("emitter, 4 impulses", scene, impulses);
+    // A ceiling in the smoke, pillars around it, and a grid of triangles that it passes under.
+    scene.simulation.collide = true;
+    scene.planes.push_back({.height = 0});
+    scene.boxes.push_back({.centre = {0, 6, 0}, .size = {3, 0.2f, 3}});
+    for (int i = 0; i < 32; ++i) scene.boxes.push_back({.centre = {i % 8 - 4, 2, i / 8 - 2}, .size = {0.1f, 4, 0.1f}});
+    measure("emitter, 33 boxes", scene, {});
+    scene.boxes.clear();
+    for (int i = 0; i < 65'536; ++i) {
+        const glm::vec3 at(0.05f * float(i / 2 % 181 - 90), 5, 0.05f * float(i / 2 / 181 - 90)), x(0.05f, 0, 0),
+            z(0, 0, 0.05f);
+        if (i % 2 == 0)
+            scene.triangles.push_back({.corners = {at, at + x, at + z}, .albedo = {}});
+        else
+            scene.triangles.push_back({.corners = {at + x, at + x + z, at + z}, .albedo = {}});
+    }
+    measure("emitter, 65536 triangles", scene, {});
 }
