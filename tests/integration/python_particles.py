@@ -2,6 +2,7 @@
 """Particles with their light through the Python package: python_particles.py SERVER PACKAGE. Exit status 77: a package
 of the distribution is missing."""
 import contextlib
+import json
 import math
 import pathlib
 import random
@@ -12,12 +13,13 @@ import tempfile
 import time
 import unittest
 import unittest.mock
+import urllib.request
 import zlib
 
 from python_server import COLD, PATIENCE, Serving, brume, numpy, package
 
 import flatbuffers
-from brume import messages
+from brume import messages, splats
 from brume.particles import Reader
 from brume.wire import Body, Hue, LitParticles, Message, Object, Vec3
 
@@ -360,6 +362,28 @@ class Drawn(Serving):
                 self.assertTrue(view._link.changed.wait_for(lambda: view._link._reader is not reader, PATIENCE))
             self.assertEqual(len(view.particles()), 500)
             again.stop()
+
+    def test_the_lit_cloud_becomes_splats_that_are_read_back(self):
+        server = self.serve('--paused')
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / 'lit.ply'
+            with brume.connect(server.url, draw_hz=30, timeout=COLD) as view:
+                lit = view.particles()
+                splats.save(path, lit)
+                box = view.state.box
+            shown = splats.colours(lit)
+            self.assertGreater(shown.max() - shown.min(), 0.1, 'some lie in shadow')
+            upload = urllib.request.Request(f'{server.url}/cloud?name=lit', path.read_bytes(), method='POST',
+                                            headers={'Accept': 'application/json'})
+            answer = json.load(urllib.request.urlopen(upload))
+            self.assertEqual(answer['points'], 500)
+            self.assertIn('Gaussian splatting', ' '.join(answer['notes']))
+            with brume.connect(server.url, draw_hz=30, timeout=COLD) as view:
+                again = view.particles()
+                self.assertTrue(numpy.allclose(view.state.box, box, atol=0.02))
+        for name in ('places', 'deviations', 'extinctions'):
+            self.assertTrue(numpy.allclose(getattr(again, name), getattr(lit, name), rtol=2e-3, atol=2e-3), name)
+        self.assertTrue(numpy.allclose(again.albedos, shown, atol=1e-3), 'their light is their albedo now')
 
     def test_what_is_asked_for_and_what_it_needs(self):
         url = self.serve().url
