@@ -121,7 +121,7 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     UploadedClouds::Incoming incoming = clouds.take(wish.name, wish.points);
     const std::string file = wish.name + ".ply";
     const char* const model = holdsTetrahedra(wish.points, file) ? kTetrahedraMedium : kSumMedium;
-    const UploadFrame frame(extentOf(wish.points, file, wish.options.up), wish.options);
+    UploadFrame frame(extentOf(wish.points, file, wish.options.up), wish.options);
     Scene scene = sceneOf(fmt::format("origin = [{:.1f}, {:.1f}, {:.1f}]\n[medium]\nmodel = \"{}\"\nlayout = \"file\"\n"
                                       "file = \"{}\"\nunit = {}\nup = \"{}\"\nfar_points = \"{}\"\n",
                                       frame.origin.x, frame.origin.y, frame.origin.z, model, file, frame.unit,
@@ -130,6 +130,12 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     placeCamera(scene);
     // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
     scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
+    if (holdsSplats(wish.points, file)) { // whose colours hold their light
+        scene.lights.clear();
+        scene.sky.ambient = glm::vec3(1);
+        scene.render.tone_map = "linear";
+        frame.notes.emplace_back("the splats are shown in ambient light alone; light.irradiance adds a sun");
+    }
     const std::string text = sceneToml(scene);
     const std::vector<std::string> overrides = rendererOverrides(options_);
     const Scene wanted = sceneOf(text, incoming.scene(), overrides);

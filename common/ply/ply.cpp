@@ -218,6 +218,12 @@ PointCloud loadPly(const std::filesystem::path& file, const PlyFrame& frame, Ply
     return parsePly(readBytes(file), file.string(), frame, wanted);
 }
 
+bool holdsSplats(std::string_view bytes, const std::string& name) {
+    Reader in(bytes, name);
+    const ply::Header header = readHeader(in);
+    return ply::holdsPackedSplats(header) || ply::holdsSplats(vertexOf(in, header));
+}
+
 bool holdsTetrahedra(std::string_view bytes, const std::string& name) {
     Reader in(bytes, name);
     const ply::Header header = readHeader(in);

@@ -86,6 +86,8 @@ glm::dvec3 originFor(const PlyExtent& extent, double unit);
 
 // True: the file has rows of element `vertex`. Throws SceneError for a file that cannot be read, and for such a header.
 bool holdsPoints(const std::filesystem::path& file);
+// True: the file is of Gaussian splatting, packed or not. Throws SceneError for a header that parsePly() would refuse.
+bool holdsSplats(std::string_view bytes, const std::string& name);
 // True: the file has rows of element `tetrahedron`. Throws SceneError for a header that parsePly() would refuse.
 bool holdsTetrahedra(std::string_view bytes, const std::string& name);
 

@@ -104,6 +104,26 @@ TEST_F(Uploads, AnUploadedCloudIsSeenWhereverItIs) {
     }
 }
 
+// Their colours are seen as they are: light is in them.
+TEST_F(Uploads, SplatsAreShownInAmbientLightAlone) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
+    std::string file = "ply\nformat ascii 1.0\nelement vertex 2\n";
+    for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2"})
+        file += std::string("property float ") + name + "\n";
+    file += "end_header\n0 0 0 1.7 -1.7 -1.7 6 0 0 0\n0.1 0 0 1.7 -1.7 -1.7 6 0 0 0\n"; // red, and hardly seen through
+    const HttpReply reply = post(server.port(), "/cloud?name=splats", file);
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    EXPECT_NE(reply.body.find("in ambient light alone"), reply.body.npos) << reply.body;
+    EXPECT_NE(get(server.port(), "/scene.toml").body.find("light = []"), std::string::npos);
+    Watcher a(server.endpoint());
+    a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+    const client::Picture picture = pictureOf(a.last());
+    const uint8_t* middle = &picture.rgb[size_t(3 * (picture.height / 2 * picture.width + picture.width / 2))];
+    EXPECT_GT(middle[0], 200);
+    EXPECT_LT(middle[1], 100);
+}
+
 // What is taken out can be put in again: the same particles, to the bit.
 TEST_F(Uploads, ParticlesAreTakenOutAndReadBack) {
     RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--paused"});
