@@ -13,6 +13,7 @@
 #include "common/ply/points.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
+#include "common/text.h"
 
 namespace brume {
 
@@ -98,9 +99,9 @@ void addPoints(Reader& in, Points&& points, const PlyFrame& frame, PlyWanted wan
         if (wanted.drop_far && ply::isFar(extent, ply::placeOf(points, i, frame.up))) continue;
         const Point point = framing.at(i);
         if (const std::string problem = framing.problemOf(point); !problem.empty()) {
-            const std::string row = in.rowName(points.rows[i]);
-            if (wanted.tetrahedra) in.fail("a corner of tetrahedra cannot be left out: " + row + ": " + problem);
-            if (out.dropped++ == 0) out.first_dropped = row + ": " + problem;
+            const std::string why = fmt::format("{}: {}", in.rowName(points.rows[i]), problem);
+            if (wanted.tetrahedra) in.fail("a corner of tetrahedra cannot be left out: " + why);
+            if (out.dropped++ == 0) out.first_dropped = why;
             continue;
         }
         out.position.emplace_back(point[ply::kX], point[ply::kY], point[ply::kZ]);
@@ -306,6 +307,7 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
     }
     if (cloud.position.empty() && vertex.count > 0) in.fail("no point is usable; the first, " + cloud.first_dropped);
     if (tetrahedron) dropUnused(cloud);
+    for (std::string& note : cloud.notes) note = oneLine(note); // with names of the file
     return cloud;
 }
 

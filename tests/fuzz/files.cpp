@@ -1,5 +1,6 @@
 // What is read from files: scenes, point clouds, meshes, costs. A refusal is one line; what is taken is within its
 // limits.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "common/camera.h"
 #include "common/gltf.h"
 #include "common/ply/ply.h"
+#include "common/ply/upload_frame.h"
 #include "common/scene.h"
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
@@ -35,6 +37,28 @@ void tetrahedra(const std::string& bytes) {
         promise(inner + all.faces.size() == 4 * all.corners.size(), "every face is inside or outside");
         for (const glm::uvec4& cell : all.corners)
             for (int m = 0; m < 4; ++m) promise(cell[m] < cloud.position.size(), "corners are points");
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
+}
+
+// What an upload is shown by.
+void uploaded(const std::string& bytes) {
+    constexpr const char* kUps[]{"y", "z", "x", "-y"};
+    const std::string up = kUps[bytes.size() % 4];
+    try {
+        const PlyExtent extent = extentOf(bytes, "points.ply", up);
+        promise(extent.radius >= 0 && extent.far <= extent.count, "an extent");
+        const UploadFrame frame(extent, {.up = up});
+        promise(frame.unit > 0 && std::isfinite(frame.unit), "a unit");
+        promise(std::max({std::abs(frame.origin.x), std::abs(frame.origin.y), std::abs(frame.origin.z)}) <=
+                    limits::kOrigin.hi,
+                "an origin within limits");
+        for (const std::string& note : frame.notes) promiseOneLine(note, kLongestRefusal);
+        const PointCloud cloud = parsePly(bytes, "points.ply", {.origin = frame.origin, .unit = frame.unit, .up = up},
+                                          {.drop_far = true, .most = kMostPlyPoints});
+        for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
+        for (const std::string& note : cloud.notes) promiseOneLine(note, kLongestRefusal);
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }
@@ -82,12 +106,14 @@ void ply(Bytes input) {
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");
-        for (const size_t size : {cloud.scale.size(), cloud.radius.size(), cloud.sigma_t.size(), cloud.opacity.size(),
-                                  cloud.albedo.size(), cloud.id.size()})
+        for (const size_t size : {cloud.scale.size(), cloud.radius.size(), cloud.deviation.size(), cloud.sigma_t.size(),
+                                  cloud.opacity.size(), cloud.albedo.size(), cloud.id.size()})
             promise(size == 0 || size == points, "a list is empty or complete");
         for (const glm::vec3& at : cloud.position) promise(within(at, limits::kPlace), "a place within limits");
         for (const float scale : cloud.scale) promise(limits::kScale.holds(double(scale)), "a size within limits");
         for (const float radius : cloud.radius) promise(limits::kScale.holds(double(radius)), "a size within limits");
+        for (const float deviation : cloud.deviation)
+            promise(deviation >= 0 && double(deviation) <= limits::kScale.hi, "a size within limits");
         for (const float opacity : cloud.opacity)
             promise(limits::kColour.holds(double(opacity)), "an opacity within limits");
         for (const float sigma_t : cloud.sigma_t)
@@ -99,6 +125,7 @@ void ply(Bytes input) {
         promiseOneLine(error.what(), kLongestRefusal);
     }
     tetrahedra(bytes);
+    uploaded(bytes);
 }
 
 void gltf(Bytes input) {

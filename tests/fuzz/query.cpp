@@ -3,6 +3,7 @@
 #include <string>
 
 #include "common/scene_limits.h"
+#include "server/net/cloud_query.h"
 #include "server/net/origin.h"
 #include "server/net/pages.h"
 #include "server/net/picture_query.h"
@@ -35,6 +36,17 @@ void picture(std::string_view query) {
     promise(isUsable(request.pose) && limits::kFovY.holds(request.pose.fov_y), "a pose is usable");
 }
 
+void upload(std::string_view query) {
+    const auto read = net::readCloudQuery(query);
+    if (const auto* wrong = std::get_if<std::string>(&read)) return promiseOneLine(*wrong, 256);
+    const auto& wish = std::get<SceneWish>(read);
+    promise(net::isFileName(wish.name), "a name that is no path", wish.name);
+    promise(!wish.options.unit || limits::kUnit.holds(*wish.options.unit), "a unit within limits");
+    if (const auto& origin = wish.options.origin)
+        promise(std::max({std::abs(origin->x), std::abs(origin->y), std::abs(origin->z)}) <= limits::kOrigin.hi,
+                "an origin within limits");
+}
+
 } // namespace
 
 void query(Bytes input) {
@@ -49,6 +61,7 @@ void query(Bytes input) {
     const size_t question = std::min(target.find('?'), target.size());
     page(target.substr(0, question));
     picture(target.substr(std::min(question + 1, target.size())));
+    upload(target.substr(std::min(question + 1, target.size())));
     if (const auto decoded = net::percentDecode(target))
         promise(decoded->size() <= target.size(), "decoding does not grow");
     if (net::pageAllowed({.host = host, .origin = origin}, {}) && !origin.empty())
