@@ -36,8 +36,6 @@ pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(NATS REQUIRED IMPORTED_TARGET libnats)
 pkg_check_modules(XXHASH REQUIRED libxxhash) # header only
 
-find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED) # the header alone, compiled in common/
-
 find_program(FLATC flatc REQUIRED)
 find_program(GLSLANG glslangValidator REQUIRED)
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "common/gltf.h"
+#include "common/gltf/gltf.h"
 #include "common/scene_limits.h"
 #include "common/text.h"
 
@@ -43,7 +43,7 @@ void add(const Mesh& mesh, std::vector<Triangle>& out) {
         if (hasArea(triangle)) out.push_back(triangle);
     }
     if (out.size() == before) throw SceneError(name + ": no triangle has an area; allowed: some (mesh.scale)");
-    if (gltf.textured) spdlog::warn("{}: textures are ignored, materials have their base colour factors alone", name);
+    for (const std::string& line : gltf.told) spdlog::warn("{}: {}", name, line);
 }
 
 } // namespace

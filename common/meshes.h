@@ -7,8 +7,8 @@
 
 namespace brume {
 
-// Those of all meshes, one mesh after the other; triangles without an area are left out. Says in a line which files
-// have textures, which are not read. Throws SceneError for a file that is wrong, or reaches too far from the origin.
+// Those of all meshes, one mesh after the other; triangles without an area are left out. Says in lines what of a
+// file is not read. Throws SceneError for a file that is wrong, or reaches too far from the origin.
 std::vector<Triangle> trianglesOf(const std::vector<Mesh>& meshes);
 
 } // namespace brume

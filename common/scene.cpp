@@ -147,20 +147,20 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
 // Null with another model. Those of a file that is still in use are not read again while it is the same: a server
 // reads a scene several times, and half a million tetrahedra take seconds.
 std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
-    struct Read {
+    struct Source {
         std::filesystem::path file;
         uintmax_t bytes = 0;
         std::filesystem::file_time_type changed;
         PlyFrame frame;
-        bool operator==(const Read&) const = default;
+        bool operator==(const Source&) const = default;
     };
     static std::mutex mutex;
-    static Read last;
+    static Source last;
     static std::weak_ptr<const Tetrahedra> kept;
     if (medium.model != kTetrahedraMedium) return nullptr;
     std::error_code error;
-    const Read now{medium.file, std::filesystem::file_size(medium.file, error),
-                   std::filesystem::last_write_time(medium.file, error), frameOf(medium, origin)};
+    const Source now{medium.file, std::filesystem::file_size(medium.file, error),
+                     std::filesystem::last_write_time(medium.file, error), frameOf(medium, origin)};
     const std::scoped_lock lock(mutex);
     if (!error && now == last)
         if (auto same = kept.lock()) return same;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/camera.h"
-#include "common/gltf.h"
+#include "common/gltf/gltf.h"
 #include "common/ply/ply.h"
 #include "common/ply/upload_frame.h"
 #include "common/scene.h"

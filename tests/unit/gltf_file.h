@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -25,12 +26,52 @@ struct GltfFile {
         "scene": 0})");
     std::vector<float> places{0, 0, 0, 1, 0, 0, 0, 1, 0};
     std::vector<uint16_t> indices{0, 1, 2};
+    std::string more; // bytes behind them
+
+    nlohmann::json& primitive() { return json["meshes"][0]["primitives"][0]; }
+
+    // Four corners of the unit cube in a list and two triangles of them, instead of the one.
+    static GltfFile square() {
+        GltfFile file;
+        file.primitive()["attributes"]["POSITION"] =
+            file.add(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, "VEC3", 4);
+        file.primitive()["indices"] = file.add(std::vector<uint16_t>{0, 1, 2, 0, 2, 3}, "SCALAR", 6);
+        return file;
+    }
+
+    // The index of a new view of these bytes.
+    size_t addView(std::string bytes) {
+        const size_t begin = 44 + more.size();
+        json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", bytes.size()}});
+        bytes.resize((bytes.size() + 3) / 4 * 4);
+        more += bytes;
+        json["buffers"][0]["byteLength"] = begin + bytes.size();
+        return json["bufferViews"].size() - 1;
+    }
+
+    // The index of a new accessor of these numbers.
+    template <class T>
+    size_t add(const std::vector<T>& numbers, const char* type, size_t count, bool normalized = false) {
+        const int component = std::is_same_v<T, float>      ? 5126
+                              : std::is_same_v<T, uint32_t> ? 5125
+                              : std::is_same_v<T, uint16_t> ? 5123
+                              : std::is_same_v<T, int16_t>  ? 5122
+                              : std::is_same_v<T, uint8_t>  ? 5121
+                                                            : 5120;
+        const size_t view = addView({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T)});
+        json["accessors"].push_back({{"bufferView", view},
+                                     {"componentType", component},
+                                     {"count", count},
+                                     {"type", type},
+                                     {"normalized", normalized}});
+        return json["accessors"].size() - 1;
+    }
 
     std::string buffer() const {
         std::string out(44, '\0');
         std::memcpy(out.data(), places.data(), 36);
         std::memcpy(out.data() + 36, indices.data(), 6);
-        return out;
+        return out + more;
     }
     std::string glb() const {
         std::string text = json.dump();

@@ -1,0 +1,72 @@
+#include "common/gltf/pixels.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+
+#include <png.h>
+#include <turbojpeg.h>
+
+#include "common/gltf/told.h"
+#include "common/gltf/wrong.h"
+
+namespace brume::gltf {
+namespace {
+
+constexpr size_t kLongestReason = 100; // bytes, of what a library says
+
+void checkSize(int64_t width, int64_t height, int most) {
+    if (width < 1 || height < 1 || width > most || height > most)
+        fail("an image of {} x {} pixels; allowed: 1 to {} a side", width, height, most);
+}
+
+Pixels ofPng(const Bytes& file, int most) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    const std::unique_ptr<png_image, void (*)(png_image*)> freed(&image, png_image_free);
+    const auto check = [&](int good) {
+        if (!good) fail("a broken PNG image: {}", shortened(image.message, kLongestReason));
+    };
+    check(png_image_begin_read_from_memory(&image, file.data(), file.size()));
+    checkSize(image.width, image.height, most);
+    image.format = PNG_FORMAT_RGBA;
+    Pixels out{int(image.width), int(image.height), {}};
+    out.texels.resize(size_t(image.width) * image.height);
+    check(png_image_finish_read(&image, nullptr, out.texels.data(), 0, nullptr));
+    return out;
+}
+
+Pixels ofJpeg(const Bytes& file, int most) {
+    const std::unique_ptr<void, int (*)(void*)> reader(tjInitDecompress(), tjDestroy);
+    if (!reader) fail("too little memory for a JPEG image");
+    Pixels out;
+    const auto check = [&](int result) {
+        const bool whole = result == 0 || tjGetErrorCode(reader.get()) == TJERR_WARNING; // of a cut one, a part
+        if (!whole || out.width == 0)
+            fail("a broken JPEG image: {}", shortened(tjGetErrorStr2(reader.get()), kLongestReason));
+    };
+    int subsampling = 0, space = 0;
+    const auto size = static_cast<unsigned long>(file.size());
+    check(tjDecompressHeader3(reader.get(), file.data(), size, &out.width, &out.height, &subsampling, &space));
+    checkSize(out.width, out.height, most);
+    out.texels.resize(size_t(out.width) * size_t(out.height));
+    check(tjDecompress2(reader.get(), file.data(), size, reinterpret_cast<unsigned char*>(out.texels.data()), out.width,
+                        0, out.height, TJPF_RGBA, TJFLAG_LIMITSCANS));
+    return out;
+}
+
+} // namespace
+
+Pixels pixelsOf(const Bytes& file, int most) {
+    constexpr std::array<unsigned char, 4> kPng{0x89, 'P', 'N', 'G'};
+    constexpr std::array<unsigned char, 3> kJpeg{0xff, 0xd8, 0xff};
+    const auto begins = [&](const auto& with) {
+        return file.size() >= with.size() && std::equal(with.begin(), with.end(), file.begin());
+    };
+    if (begins(kPng)) return ofPng(file, most);
+    if (begins(kJpeg)) return ofJpeg(file, most);
+    fail("an image that is neither PNG nor JPEG");
+}
+
+} // namespace brume::gltf
