@@ -70,8 +70,7 @@ void checkExtensions(const Json& root, Told& told) {
     std::vector<std::string> ignored = namesIn(root, "extensionsUsed");
     ignored.insert(ignored.end(), required.begin(), required.end());
     std::ranges::sort(ignored);
-    const auto twice = std::ranges::unique(ignored);
-    ignored.erase(twice.begin(), twice.end());
+    ignored.erase(std::unique(ignored.begin(), ignored.end()), ignored.end());
     std::erase_if(ignored, [](const std::string& name) {
         return isRead(name) || std::ranges::find(kToldWhereUsed, name) != kToldWhereUsed.end();
     });

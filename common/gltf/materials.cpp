@@ -30,7 +30,7 @@ const Material& Materials::read(std::optional<size_t> index) {
     const Json& of = file_.at("materials", *index);
     const std::string mode = textIn(of, "alphaMode");
     out.alpha = mode == "MASK" ? Material::Alpha::mask : mode == "BLEND" ? Material::Alpha::blend : out.alpha;
-    out.cutoff = float(numberIn(of, "alphaCutoff", out.cutoff));
+    out.cutoff = float(std::clamp(numberIn(of, "alphaCutoff", double(out.cutoff)), 0.0, 2.0));
     const bool transparent = out.alpha != Material::Alpha::opaque;
     const Json &pbr = member(of, "pbrMetallicRoughness"),
                &glossy = extension(of, "KHR_materials_pbrSpecularGlossiness");

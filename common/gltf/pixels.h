@@ -14,7 +14,7 @@ struct Pixels {
     std::vector<glm::u8vec4> texels; // row by row from the top left; sRGB, alpha linear
 };
 
-// Throws Wrong if it is neither, is broken, or has more than `most` pixels a side.
-Pixels pixelsOf(const Bytes& file, int most);
+// Throws Wrong if it is neither, is broken, or has more than `most` pixels a side or `left` in all.
+Pixels pixelsOf(const Bytes& file, int most, size_t left);
 
 } // namespace brume::gltf

@@ -63,8 +63,9 @@ double wrapped(double at, int how) {
 
 } // namespace
 
-Image::Image(const Bytes& file, bool transparent, size_t most) {
-    Pixels pixels = pixelsOf(file, kMostTexels);
+Image::Image(const Bytes& file, bool transparent, size_t most, size_t& left) {
+    Pixels pixels = pixelsOf(file, kMostTexels, left);
+    left -= pixels.texels.size();
     Mean all;
     for (glm::u8vec4& texel : pixels.texels) {
         if (!transparent) texel.a = 255;
@@ -158,7 +159,7 @@ std::shared_ptr<const Image> Textures::imageOf(size_t index, bool transparent) {
     if (!fresh) return found->second;
     const Json& image = file_.at("images", index);
     try {
-        found->second = std::make_shared<const Image>(file_.content(image), transparent, left_ / 4);
+        found->second = std::make_shared<const Image>(file_.content(image), transparent, left_ / 4, texels_left_);
         left_ -= std::min(left_, found->second->bytes());
     } catch (const Wrong& wrong) {
         file_.told.add(fmt::format("images[{}] is ignored: {}", index, wrong.what()));

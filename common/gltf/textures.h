@@ -11,14 +11,16 @@
 
 namespace brume::gltf {
 
-inline constexpr int kMostTexels = 4096; // a side, of an image
+inline constexpr int kMostTexels = 4096;                                           // a side, of an image
+inline constexpr size_t kMostTexelsInAll = 32 * size_t(kMostTexels) * kMostTexels; // of all images that are decoded
 
 // An image in halves of halves, down to one texel.
 class Image {
 public:
-    // Throws Wrong unless it is PNG or JPEG within kMostTexels. It takes at most `most` bytes: a larger one is read
-    // coarser. With `transparent` colours count by their alpha, otherwise alpha is 1.
-    Image(const Bytes& file, bool transparent, size_t most);
+    // Throws Wrong unless it is PNG or JPEG within kMostTexels and `left` texels, from which its own are taken. It
+    // keeps at most `most` bytes: a larger one is kept coarser. With `transparent` colours count by their alpha,
+    // otherwise alpha is 1.
+    Image(const Bytes& file, bool transparent, size_t most, size_t& left);
 
     // The mean of a square of `area` (of the whole image) around a place, (0, 0) its first corner; linear, with alpha.
     glm::vec4 at(glm::dvec2 place, double area) const;
@@ -61,6 +63,7 @@ private:
     File& file_;
     std::map<std::pair<size_t, bool>, std::shared_ptr<const Image>> images_;
     size_t left_ = kMostBytes; // of images in memory
+    size_t texels_left_ = kMostTexelsInAll;
 };
 
 } // namespace brume::gltf

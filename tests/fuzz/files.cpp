@@ -129,7 +129,8 @@ void ply(Bytes input) {
 }
 
 void gltf(Bytes input) {
-    constexpr size_t kMost = 1000; // triangles
+    constexpr size_t kMost = 1000;                       // triangles
+    constexpr size_t kMostTold = 16, kLongestTold = 250; // lines; bytes of each
     try {
         const Gltf gltf = parseGltf(textOf(input), "mesh.glb", "/nowhere", kMost);
         promise(!gltf.triangles.empty() && gltf.triangles.size() <= kMost, "a number of triangles within limits");
@@ -138,6 +139,8 @@ void gltf(Bytes input) {
             for (const glm::dvec3& corner : triangle.corners)
                 promise(std::isfinite(corner.x + corner.y + corner.z), "a finite place");
         }
+        promise(gltf.told.size() <= kMostTold, "few lines on what was left out");
+        for (const std::string& line : gltf.told) promiseOneLine(line.c_str(), kLongestTold);
     } catch (const SceneError& error) {
         promiseOneLine(error.what(), kLongestRefusal);
     }
