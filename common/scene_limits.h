@@ -21,7 +21,7 @@ inline constexpr Limits kOrigin{-1e7, 1e7}; // of a scene, in doubles: beyond th
 inline constexpr Limits kColour{0, 1}, kRadiance{0, 1e4}, kSpeed{-100, 100};
 
 inline constexpr Limits kCount{1, 1'000'000};
-inline constexpr Limits kScale{1e-3, 1e5}; // m, of particles
+inline constexpr Limits kScale{1e-3, 1e5};   // m, of particles
 inline constexpr Limits kFalloff{0.1, 10};   // 000's slider ends at 10; at 0 a particle has no extent
 inline constexpr Limits kHaze{0, 1e3};       // 1/m
 inline constexpr Limits kExtinction{0, 1e5}; // 000's slider ends at 100, which is thin for particles of centimetres
@@ -32,7 +32,7 @@ inline constexpr Limits kAsymmetry{-0.99, 0.99};
 inline constexpr Limits kDroplet{5, 50};                                             // micrometres; the fit's range
 inline constexpr Limits kStructure{0, 1};                                            // of an albedo, as a part of it
 inline constexpr Limits kPlanes{0, 64}, kObjects{0, 4096};                           // how many; boxes and spheres
-inline constexpr Limits kMeshes{0, 64}, kTriangles{1, 65'536};                       // how many; of all meshes
+inline constexpr Limits kMeshes{0, 64}, kTriangles{1, 500'000};                      // how many; of all meshes
 inline constexpr Limits kMeshScale{1e-6, 1e6}, kUnit{1e-9, 1e9};                     // m per unit of a file
 inline constexpr Limits kFogs{0, 4};                                                 // how many
 inline constexpr Limits kFogFalloff{0, 100}, kFogRadius{0, 1e4};                     // 1/m; m

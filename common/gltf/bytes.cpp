@@ -37,11 +37,11 @@ bool equalsWithoutCase(std::string_view a, std::string_view lower) {
     return std::ranges::equal(a, lower, [](char x, char y) { return (x >= 'A' && x <= 'Z' ? x + 32 : x) == y; });
 }
 
-constexpr std::array<int8_t, 256> kSixBits = [] {
-    std::array<int8_t, 256> out{};
+constexpr std::array<int, 256> kSixBits = [] {
+    std::array<int, 256> out{};
     out.fill(-1);
     const std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < digits.size(); ++i) out[static_cast<unsigned char>(digits[i])] = int8_t(i);
+    for (size_t i = 0; i < digits.size(); ++i) out[static_cast<unsigned char>(digits[i])] = int(i);
     return out;
 }();
 

@@ -27,7 +27,7 @@ struct TickInputs {
     uint32_t bodies = 0;                      // number of boxes and spheres
     // For all passes, by the names that shaders give them:
     // - of the scene: Objects (planes come first), ObjectNodes (the tree of the others), Reflecting
-    //   (reflectingObjects()), Triangles, MeshNodes (their tree, in gpu::kMeshOrders orders), LocalLights;
+    //   (reflectingObjects()), Triangles, MeshNodes (their tree, in several orders), LocalLights;
     // - maps of light: shadow_volume, opaque_shadow, mesh_heights, MeshPyramid, fluence, LightBits, LightDepths,
     //   UnionBits, UnionLights;
     // - of the pictures: LitByLocalLights and Sunlit of the last eye's pixels, Planes of all of them.

@@ -14,7 +14,7 @@ class Ordered {
 public:
     Ordered(std::span<const BoundingNode> tree, std::vector<gpu::ObjectNode>& out) : tree_(tree), out_(out) {}
 
-    // `order`: bits of the axes along which rays go backward.
+    // `order`: bits of the axes x, z and y along which rays go backward.
     void add(uint32_t order, uint32_t node = 0) {
         const size_t at = out_.size();
         out_.push_back(objectNode(tree_[node]));
@@ -22,7 +22,8 @@ public:
             const uint32_t first = node + 1, second = tree_[first].next;
             const glm::dvec3 apart = twiceCentre(second) - twiceCentre(first), size = glm::abs(apart);
             const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-            const bool backward = (order >> axis & 1) != 0;
+            constexpr int kBits[]{0, 2, 1};
+            const bool backward = (order >> kBits[axis] & 1) != 0;
             const bool swapped = (apart[axis] < 0) != backward;
             add(order, swapped ? second : first);
             add(order, swapped ? first : second);
@@ -39,6 +40,7 @@ private:
 
 std::vector<gpu::Triangle> blocksOf(std::span<const Triangle> triangles) {
     std::vector<gpu::Triangle> blocks;
+    blocks.reserve(triangles.size());
     for (const Triangle& t : triangles) blocks.push_back({t.corners[0], t.corners[1], t.corners[2], t.albedo});
     return blocks;
 }
@@ -53,8 +55,10 @@ std::vector<gpu::ObjectNode> meshNodes(std::span<const Triangle> triangles) {
     }
     const std::vector<BoundingNode> tree = boundingTree(bounds);
     std::vector<gpu::ObjectNode> nodes;
-    nodes.reserve(tree.size() * gpu::kMeshOrders);
-    for (uint32_t order = 0; order < gpu::kMeshOrders && !tree.empty(); ++order) Ordered(tree, nodes).add(order);
+    const bool few = triangles.size() > gpu::kMostInAllOrders;
+    nodes.reserve(tree.size() * (few ? gpu::kFewMeshOrders : gpu::kMeshOrders));
+    for (uint32_t order = few ? gpu::kFewMeshOrders : 0; order < gpu::kMeshOrders && !tree.empty(); ++order)
+        Ordered(tree, nodes).add(order);
     return nodes;
 }
 

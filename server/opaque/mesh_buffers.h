@@ -11,7 +11,8 @@
 
 namespace brume {
 
-// The tree of triangles in all gpu::kMeshOrders orders, one after the other. Its boxes are rounded outward.
+// The tree of triangles in gpu::kMeshOrders orders, of many in gpu::kFewMeshOrders, one after the other. Its boxes are
+// rounded outward.
 std::vector<gpu::ObjectNode> meshNodes(std::span<const Triangle> triangles);
 
 struct MeshBuffers {

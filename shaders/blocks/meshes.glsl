@@ -1,4 +1,4 @@
-// The triangles of meshes; and their tree in kMeshOrders orders, one after the other.
+// The triangles of meshes; and their tree in several orders, one after the other.
 #ifndef BRUME_BLOCK_MESHES
 #define BRUME_BLOCK_MESHES
 #include "shaders/shared/types.h"

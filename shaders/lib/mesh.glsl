@@ -19,8 +19,10 @@ struct MeshRay {
 MeshRay meshRay(vec3 origin, vec3 dir) {
     const vec3 inverse = 1 / mix(dir, vec3(1e-12), lessThan(abs(dir), vec3(1e-12)));
     const vec3 helper = abs(dir.y) < 0.7 * length(dir) ? vec3(0, 1, 0) : vec3(1, 0, 0), x = cross(dir, helper);
-    const uvec3 negative = uvec3(lessThan(dir, vec3(0))) * uvec3(1, 2, 4);
-    return MeshRay(origin, dir, inverse, x, cross(dir, x), (negative.x | negative.y | negative.z) * meshNodes());
+    const uint orders = tick.triangle_count > kMostInAllOrders ? kFewMeshOrders : kMeshOrders;
+    const uvec3 negative = uvec3(lessThan(dir, vec3(0))) * uvec3(1, 4, 2);
+    const uint order = (negative.x | negative.y | negative.z) & (orders - 1);
+    return MeshRay(origin, dir, inverse, x, cross(dir, x), order * meshNodes());
 }
 
 // Where the ray meets a node's box that is larger by `reach` (m) all around: t of begin and end.

@@ -212,8 +212,10 @@ struct Triangle {
     vec3 albedo;
 };
 // The nodes of the tree of triangles are there in this many orders. In order i a ray comes to near nodes first whose
-// direction is negative along the axes of the bits of i.
-const uint kMeshOrders = 8u;
+// direction is negative along the axes of the bits of i: x, z and y. Of more triangles than kMostInAllOrders there are
+// the last kFewMeshOrders, as most eyes look down: every device can bind them all (128 MiB).
+const uint kMeshOrders = 8u, kFewMeshOrders = 4u;
+const uint kMostInAllOrders = 250000u;
 
 // A particle in cells of the volumetric shadow map, sharpened (shared/sharpen.h).
 struct LightParticle {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gpu/judged.h"
+#include "tests/layer.h"
 
 namespace brume::test::mesh_test {
 namespace {
@@ -92,6 +93,15 @@ TEST_F(MeshTest, CameraInsideAMesh) {
     addBall(scene, {0, 3, 0}, 2.5f, 20, {0.6f, 0.5f, 0.4f});
     scene.triangles.erase(scene.triangles.begin(), scene.triangles.begin() + 60); // the sun comes in at its top
     judge(scene, {lookAt({0.3f, 2.2f, 1}, {-1, 2.5f, -1}, 1.2f)}, kMesh);
+}
+
+// More than the tree has all orders of.
+TEST_F(MeshTest, ManyTriangles) {
+    BRUME_WHOLE_LAYER_ONLY();
+    Scene scene = foggy();
+    addBall(scene, {0, 2, 0}, 1.2f, 360, {0.6f, 0.5f, 0.4f});
+    ASSERT_GT(scene.triangles.size(), gpu::kMostInAllOrders);
+    judge(scene, {lookAt({8, 3, 9}, {0, 2.5f, 0}, 0.9f), lookAt({0.2f, 6, 0.1f}, {0, 2, 0}, 1.1f)}, kMesh);
 }
 
 TEST_F(MeshTest, OneTriangle) {
