@@ -36,6 +36,18 @@ pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(NATS REQUIRED IMPORTED_TARGET libnats)
 pkg_check_modules(XXHASH REQUIRED libxxhash) # header only
 
+# For brume-import alone, which is left out without it. Debian has no package file for CMake.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
+find_library(OPENVDB_LIBRARY openvdb)
+find_library(TBB_LIBRARY tbb)
+pkg_check_modules(IMATH IMPORTED_TARGET Imath)
+if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_LIBRARY AND IMATH_FOUND)
+  set(OpenVDB_FOUND TRUE)
+  add_library(brume_openvdb INTERFACE)
+  target_include_directories(brume_openvdb SYSTEM INTERFACE ${OPENVDB_INCLUDE_DIR})
+  target_link_libraries(brume_openvdb INTERFACE ${OPENVDB_LIBRARY} ${TBB_LIBRARY} PkgConfig::IMATH)
+endif()
+
 find_program(FLATC flatc REQUIRED)
 find_program(GLSLANG glslangValidator REQUIRED)
 

@@ -1,0 +1,100 @@
+#include "tools/import/import.h"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "common/scene_limits.h"
+#include "common/numbered_files.h"
+
+namespace brume::import {
+
+namespace {
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+// A pattern's run of # as a number of as many digits.
+std::string numbered(std::string pattern, uint64_t number) {
+    const size_t begin = pattern.find('#'), end = pattern.find_first_not_of('#', begin);
+    const size_t length = (end == std::string::npos ? pattern.size() : end) - begin;
+    return pattern.replace(begin, length, fmt::format("{:0{}}", number, length));
+}
+
+std::string missed(const Fit& fit, const FitSettings& settings) {
+    std::string remedy = "a larger --error";
+    if (!fit.all && double(settings.most) < limits::kCount.hi) remedy = "a larger --most, or " + remedy;
+    return fmt::format("error {:.3g} with {} particles; allowed {:g}: {}", fit.error.worst(), fit.kernels.size(),
+                       settings.error, remedy);
+}
+
+class Importer {
+public:
+    Importer(const ImportSettings& settings, const std::function<void(const std::string&)>& say)
+        : settings_(settings), say_(say) {}
+
+    void file(const std::filesystem::path& in, const std::filesystem::path& out, CellIds* ids) {
+        const double begun = seconds();
+        Volume volume = readVolume(in, settings_.wanted);
+        for (const std::string& note : volume.notes) say_(in.string() + ": " + note);
+        if (ids) colour(in, volume);
+        FitSettings how = settings_.fit;
+        how.per_value = depthPerValue(volume, settings_.placing);
+        const Fit fit = import::fit(volume.voxels, how);
+        const Cloud cloud = cloudOf(volume, fit.kernels, settings_.placing, ids);
+        writeCloud(out, cloud,
+                   {"made by brume-import from " + in.filename().string(),
+                    fmt::format("relative RMSE of optical depth {:.4g}, of what is stopped {:.4g}", fit.error.depth,
+                                fit.error.opacity),
+                    fmt::format("for medium.falloff = {:g}; a value of 1 is {:g} 1/m", settings_.placing.falloff,
+                                settings_.placing.density)});
+        const double voxel = volume.width * settings_.placing.scale;
+        say_(fmt::format("{}: {} particles for {} voxels, {:.1f} times fewer; error {:.3g} of optical depth, {:.3g} of "
+                         "what is stopped; mass {:.6g} m2; {:.1f} s, {} fits",
+                         out.string(), fit.kernels.size(), volume.voxels.active(),
+                         double(volume.voxels.active()) / double(fit.kernels.size()), fit.error.depth,
+                         fit.error.opacity, volume.voxels.sum() * settings_.placing.density * voxel * voxel * voxel,
+                         seconds() - begun, fit.tried));
+        if (!fit.kept) say_(missed(fit, settings_.fit));
+        result.kept = result.kept && fit.kept;
+        result.voxels = volume.voxels.active();
+        result.points = fit.kernels.size();
+        result.error = fit.error;
+    }
+
+    Imported result{.kept = true, .error = {}};
+
+private:
+    // All files of a sequence have the same properties: the first one's.
+    void colour(const std::filesystem::path& in, Volume& volume) {
+        const bool has = !volume.albedo.empty();
+        if (first_) coloured_ = has;
+        first_ = false;
+        if (has == coloured_) return;
+        say_(in.string() + (has ? ": the albedo is ignored, as the first file has none"
+                                : ": no albedo, unlike in the first file; 1 is taken"));
+        volume.albedo.assign(coloured_ ? volume.voxels.values().size() : 0, glm::vec3(1));
+    }
+
+    const ImportSettings& settings_;
+    const std::function<void(const std::string&)>& say_;
+    bool first_ = true, coloured_ = false;
+};
+
+} // namespace
+
+Imported importFiles(const ImportSettings& settings, const std::function<void(const std::string&)>& say) {
+    Importer importer(settings, say);
+    const bool many = settings.in.filename().string().find('#') != std::string::npos;
+    if (many != (settings.out.filename().string().find('#') != std::string::npos))
+        throw ImportError("a # for each digit of a frame's number is allowed in both names or in none");
+    if (!many) {
+        importer.file(settings.in, settings.out, nullptr);
+        return importer.result;
+    }
+    CellIds ids;
+    for (const auto& [number, in] : numberedFiles(settings.in))
+        importer.file(in, settings.out.parent_path() / numbered(settings.out.filename().string(), number), &ids);
+    return importer.result;
+}
+
+} // namespace brume::import

@@ -1,0 +1,46 @@
+// Optical depths along many rays through voxels, and how far those of Gaussians are from them. All in double precision.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "tools/import/mixture.h"
+#include "tools/import/voxels.h"
+
+namespace brume::import {
+
+// Relative RMSE over all rays: sqrt(sum (got - true)^2 / sum true^2).
+struct SeenError {
+    double depth = 0;   // of optical depths
+    double opacity = 0; // of 1 - exp(-depth), the light that is stopped
+    double worst() const { return depth > opacity ? depth : opacity; }
+};
+
+// The integral of the trilinearly interpolated voxels along a line; a voxel is 1 wide. Precondition: `toward` is unit.
+double integralAlong(const Voxels& voxels, glm::dvec3 through, glm::dvec3 toward);
+
+class Rays {
+public:
+    // Along the three axes and in `random` directions besides, `side` x `side` parallel rays each. `per_value`: optical
+    // depth of a voxel of value 1. Precondition: some voxel is above 0.
+    Rays(const Voxels& voxels, double per_value, int side = 96, int random = 13, uint64_t seed = 1);
+
+    SeenError errorOf(std::span<const Kernel> kernels) const;
+
+private:
+    struct Bundle {
+        glm::dvec3 u, v, toward;
+        double u0 = 0, v0 = 0, step = 1; // of the first ray, and between rays
+        std::vector<double> depth;       // v slower than u
+    };
+    std::vector<double> depthsOf(const Bundle& bundle, std::span<const Kernel> kernels) const;
+
+    double per_value_;
+    int side_;
+    std::vector<Bundle> bundles_;
+};
+
+} // namespace brume::import
