@@ -1,6 +1,7 @@
 #include "tools/import/import.h"
 
 #include <chrono>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -35,6 +36,7 @@ public:
     void file(const std::filesystem::path& in, const std::filesystem::path& out, CellIds* ids) {
         const double begun = seconds();
         Volume volume = readVolume(in, settings_.wanted);
+        if (!std::ofstream(out, std::ios::app)) throw ImportError(out.string() + ": cannot be written");
         for (const std::string& note : volume.notes) say_(in.string() + ": " + note);
         if (ids) colour(in, volume);
         FitSettings how = settings_.fit;

@@ -1,7 +1,7 @@
 #include "tools/import/samples.h"
 
 #include <algorithm>
-#include <cmath>
+#include <vector>
 
 #include "common/random.h"
 #include "tools/import/parallel.h"
@@ -9,8 +9,6 @@
 namespace brume::import {
 
 namespace {
-
-constexpr double kReach = 5; // deviations; a ball has 4e-6 of its peak there
 
 std::vector<glm::ivec3> blocksBetween(glm::ivec3 lo, glm::ivec3 hi) {
     std::vector<glm::ivec3> out;
@@ -60,34 +58,6 @@ Voxels sampled(glm::ivec3 lo, glm::ivec3 hi, float least, const std::function<fl
             all.values()[i * kInBlock + n] = v > least ? v : 0;
         }
     });
-    return withoutEmpty(all);
-}
-
-Voxels rasterised(std::span<const Ball> balls, float least) {
-    glm::dvec3 lo(1e30), hi(-1e30);
-    for (const Ball& ball : balls) {
-        lo = glm::min(lo, ball.centre - kReach * ball.deviation);
-        hi = glm::max(hi, ball.centre + kReach * ball.deviation);
-    }
-    Voxels all(blocksBetween(glm::ivec3(glm::floor(lo)), glm::ivec3(glm::ceil(hi))));
-    const std::vector<uint32_t>& layers = all.layers();
-    parallelFor(layers.size() - 1, [&](size_t layer) {
-        const int x0 = all.blocks()[layers[layer]].x * kSide;
-        for (const Ball& ball : balls) {
-            const double far = kReach * ball.deviation, fall = -0.5 / (ball.deviation * ball.deviation);
-            const glm::ivec3 from(glm::ceil(ball.centre - far)), to(glm::floor(ball.centre + far));
-            for (int x = std::max(from.x, x0); x <= std::min(to.x, x0 + kSide - 1); ++x)
-                for (int y = from.y; y <= to.y; ++y)
-                    for (int z = from.z; z <= to.z; ++z) {
-                        const glm::dvec3 d = glm::dvec3(x, y, z) - ball.centre;
-                        const uint32_t block = all.find(glm::ivec3(x, y, z) >> 3);
-                        all.values()[block * kInBlock + size_t((x & 7) * 64 + (y & 7) * 8 + (z & 7))] +=
-                            float(ball.peak * std::exp(fall * glm::dot(d, d)));
-                    }
-        }
-    });
-    for (float& v : all.values())
-        if (v <= least) v = 0;
     return withoutEmpty(all);
 }
 

@@ -1,0 +1,169 @@
+// brume-import-bench: volumes made here, written as VDB, imported, and compared with plain lattices. Prints a table.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+
+#include "common/scene.h"
+#include "server/sim/simulation.h"
+#include "tools/import/import.h"
+#include "tools/import/rasterise.h"
+#include "tools/import/samples.h"
+
+namespace {
+
+using namespace brume;
+using import::Volume;
+
+Volume volumeOf(import::Voxels voxels, double width) {
+    Volume out;
+    out.voxels = std::move(voxels);
+    out.width = width;
+    out.turn = glm::dmat3(width);
+    return out;
+}
+
+// A scene of ours after some seconds.
+Volume sceneVolume(const char* name, int ticks, double width) {
+    Simulation simulation(loadScene(findScene(name, BRUME_SCENES)));
+    for (int i = 0; i < ticks; ++i) simulation.step({});
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    std::vector<import::Ball> balls;
+    const double falloff = double(simulation.now().medium.falloff);
+    for (const gpu::Particle& p : particles)
+        balls.push_back({glm::dvec3(p.centre) / width, double(p.scale) * falloff / 10 / width, double(p.sigma_t)});
+    return volumeOf(import::rasterised(balls, 1e-4f).voxels, width);
+}
+
+// An ellipsoid of noise with details down to three voxels.
+float noiseAt(glm::ivec3 voxel) {
+    const glm::dvec3 half(80, 64, 80), at = glm::dvec3(voxel) / half;
+    const double edge = 1 - glm::dot(at, at);
+    return edge > 0 ? std::max(2 * import::fractalNoise(glm::dvec3(voxel) / 48.0, 5, 7) - 1 + 0.8f * float(edge), 0.0f)
+                    : 0;
+}
+
+// A ball with an edge of three voxels, as a level set becomes.
+float ballAt(glm::ivec3 voxel) { return std::clamp((60 - float(glm::length(glm::dvec3(voxel)))) / 3, 0.0f, 1.0f); }
+
+// A waved sheet, five voxels thick.
+float sheetAt(glm::ivec3 voxel) {
+    const double middle = 12 * std::sin(voxel.x / 30.0) * std::cos(voxel.z / 40.0);
+    return std::max(float(1 - std::abs(voxel.y - middle) / 2.5), 0.0f);
+}
+
+// A puff that rises and widens, in one of its frames.
+Volume puff(int frame) {
+    const double deviation = 9 + 0.5 * frame;
+    const glm::dvec3 centre(0, 2.0 * frame, 0);
+    return volumeOf(import::sampled({-48, -48, -48}, {48, 64, 48}, 1e-3f,
+                                    [&](glm::ivec3 v) {
+                                        const double r = glm::length(glm::dvec3(v) - centre) / deviation;
+                                        return float(std::exp(-r * r / 2)) *
+                                               import::fractalNoise((glm::dvec3(v) - centre) / 16.0, 3, 5);
+                                    }),
+                    0.1);
+}
+
+double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+class Bench {
+public:
+    Bench(std::filesystem::path folder, double error, bool lattice)
+        : folder_(std::move(folder)), error_(error), lattice_(lattice) {
+        std::filesystem::create_directories(folder_);
+        std::printf(
+            "| volume | active voxels | error asked | measured: depth, stopped | particles | voxels a particle | "
+            "s | lattice: spacing, particles, error, s |\n|---|---|---|---|---|---|---|---|\n");
+    }
+
+    void volume(const std::string& name, const Volume& volume, double density) {
+        const std::filesystem::path in = folder_ / (name + ".vdb");
+        import::writeVolume(in, volume);
+        import::ImportSettings settings = settingsOf(in, folder_ / (name + ".ply"), density);
+        const double begun = seconds();
+        const import::Imported got = import::importFiles(settings, [](const std::string&) {});
+        row(name, got, seconds() - begun);
+        std::string lattice = "";
+        if (lattice_) {
+            settings.fit.per_value = import::depthPerValue(volume, settings.placing);
+            const double from = seconds();
+            double spacing = 1;
+            const import::Fit fit = import::fitLattice(volume.voxels, settings.fit, spacing);
+            lattice = fmt::format("{:.2f}, {}, {:.4f}, {:.0f}", spacing, fit.kernels.size(), fit.error.worst(),
+                                  seconds() - from);
+        }
+        std::printf(" %s |\n", lattice.c_str());
+        std::fflush(stdout);
+    }
+
+    void sequence(const std::string& name, int frames) {
+        for (int frame = 1; frame <= frames; ++frame)
+            import::writeVolume(folder_ / fmt::format("{}_{:04}.vdb", name, frame), puff(frame), true);
+        const double begun = seconds();
+        const import::Imported got = import::importFiles(
+            settingsOf(folder_ / (name + "_####.vdb"), folder_ / (name + "_####.ply"), 2), [](const std::string&) {});
+        row(fmt::format("{}, the last of {} frames", name, frames), got, (seconds() - begun) / frames);
+        std::printf(" |\n");
+    }
+
+private:
+    import::ImportSettings settingsOf(const std::filesystem::path& in, const std::filesystem::path& out,
+                                      double density) const {import::ImportSettings settings;
+    settings.in = in;
+    settings.out = out;
+    settings.placing.density = density;
+    settings.fit.error = error_;
+    return settings;
+}
+
+    void row(const std::string& name, const import::Imported& got, double took) const {
+    std::printf("| %s | %llu | %g | %.4f, %.4f%s | %llu | %.1f | %.1f |", name.c_str(),
+                static_cast<unsigned long long>(got.voxels), error_, got.error.depth, got.error.opacity,
+                got.kept ? "" : ", missed", static_cast<unsigned long long>(got.points),
+                double(got.voxels) / double(got.points), took);
+}
+
+std::filesystem::path folder_;
+double error_;
+bool lattice_;
+}; // namespace
+
+} // namespace
+
+int main(int argc, char** argv) {
+    std::filesystem::path folder = "build/import";
+    double error = 0.01;
+    bool without_lattice = false;
+    std::vector<std::string> only;
+    CLI::App app{"brume-import-bench: imports six volumes that it makes, and prints a table (Markdown)."};
+    app.add_option("--folder", folder, "for the volumes and the clouds")->capture_default_str();
+    app.add_option("--error", error)->capture_default_str();
+    app.add_option("--only", only, "names of volumes");
+    app.add_flag("--without-lattice", without_lattice);
+    CLI11_PARSE(app, argc, argv);
+    try {
+        Bench bench(folder, error, !without_lattice);
+        const auto wanted = [&](const char* name) {
+            return only.empty() || std::ranges::find(only, name) != only.end();
+        };
+        if (wanted("cumulus")) bench.volume("cumulus", sceneVolume("cumulus", 1, 0.35), 1);
+        if (wanted("plume")) bench.volume("plume", sceneVolume("plume", 600, 0.08), 1);
+        if (wanted("noise"))
+            bench.volume("noise", volumeOf(import::sampled({-80, -64, -80}, {80, 64, 80}, 0, noiseAt), 1), 0.05);
+        if (wanted("ball"))
+            bench.volume("ball", volumeOf(import::sampled(glm::ivec3(-62), glm::ivec3(62), 0, ballAt), 1), 0.1);
+        if (wanted("sheet"))
+            bench.volume("sheet", volumeOf(import::sampled({-90, -20, -90}, {90, 20, 90}, 0, sheetAt), 1), 0.5);
+        if (wanted("puff")) bench.sequence("puff", 6);
+        return 0;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "brume-import-bench: %s\n", e.what());
+        return 1;
+    }
+}
