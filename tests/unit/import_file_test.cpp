@@ -16,13 +16,13 @@
 #include "common/scene.h"
 #include "tools/import/rasterise.h"
 
-namespace brume::import::file_test {
+namespace brume::volumes::file_test {
 namespace {
 
 namespace fs = std::filesystem;
 
 fs::path folder() {
-    const fs::path path = fs::path(testing::TempDir()) / "brume-import";
+    fs::path path = fs::path(testing::TempDir()) / "brume-import";
     fs::create_directories(path);
     return path;
 }
@@ -184,7 +184,7 @@ TEST(ImportFile, WhatIsWrongIsSaidInOneLine) {
     EXPECT_EQ(errorOf(settingsOf("nothing.vdb", "a.ply")), "nothing.vdb: no such file");
     std::ofstream(folder() / "text.vdb") << "no volume at all, but some text that is long enough";
     EXPECT_EQ(errorOf(settingsOf("text.vdb", "a.ply")).find("text.vdb: cannot be read as VDB: "), 0u);
-    std::ofstream(folder() / "nothing-in.vdb");
+    std::ofstream(folder() / "nothing-in.vdb").flush();
     EXPECT_EQ(errorOf(settingsOf("nothing-in.vdb", "a.ply")).find("nothing-in.vdb: cannot be read as VDB: "), 0u);
     writeVolume(folder() / "ball.vdb", ballVolume());
     ImportSettings other = settingsOf("ball.vdb", "a.ply");
@@ -225,4 +225,4 @@ TEST(ImportFile, AMissedBoundIsSaid) {
 }
 
 } // namespace
-} // namespace brume::import::file_test
+} // namespace brume::volumes::file_test

@@ -12,7 +12,7 @@
 #include "tools/import/rays.h"
 #include "tools/import/samples.h"
 
-namespace brume::import::fit_test {
+namespace brume::volumes::fit_test {
 namespace {
 
 Voxels noise() {
@@ -177,6 +177,13 @@ TEST(ImportRays, IntegralsOfManySteps) {
     }
 }
 
+TEST(ImportRays, HalvedVoxelsAreTheSameFunction) {
+    const Voxels voxels = noise(), fine = halved(voxels);
+    EXPECT_NEAR(fine.sum() / (8 * voxels.sum()), 1, 1e-6);
+    const glm::dvec3 unit = glm::normalize(glm::dvec3(1, -2, 0.5)), through(1.3, -2.2, 0.7);
+    EXPECT_NEAR(integralAlong(fine, 2.0 * through, unit) / (2 * integralAlong(voxels, through, unit)), 1, 1e-6);
+}
+
 TEST(ImportRays, AGaussianItselfHasHardlyAnError) {
     Kernel kernel = kernelOf({}, 3, {0, 0, 0}, 400);
     const Voxels voxels = samplesOf(kernel);
@@ -201,4 +208,4 @@ TEST(ImportOctree, ADearParticleIsWiderOrNone) {
 }
 
 } // namespace
-} // namespace brume::import::fit_test
+} // namespace brume::volumes::fit_test

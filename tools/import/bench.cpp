@@ -17,9 +17,9 @@
 namespace {
 
 using namespace brume;
-using import::Volume;
+using volumes::Volume;
 
-Volume volumeOf(import::Voxels voxels, double width) {
+Volume volumeOf(volumes::Voxels voxels, double width) {
     Volume out;
     out.voxels = std::move(voxels);
     out.width = width;
@@ -33,18 +33,18 @@ Volume sceneVolume(const char* name, int ticks, double width) {
     for (int i = 0; i < ticks; ++i) simulation.step({});
     std::vector<gpu::Particle> particles(simulation.liveCount());
     simulation.write(particles);
-    std::vector<import::Ball> balls;
+    std::vector<volumes::Ball> balls;
     const double falloff = double(simulation.now().medium.falloff);
     for (const gpu::Particle& p : particles)
         balls.push_back({glm::dvec3(p.centre) / width, double(p.scale) * falloff / 10 / width, double(p.sigma_t)});
-    return volumeOf(import::rasterised(balls, 1e-4f).voxels, width);
+    return volumeOf(volumes::rasterised(balls, 1e-4f).voxels, width);
 }
 
 // An ellipsoid of noise with details down to three voxels.
 float noiseAt(glm::ivec3 voxel) {
     const glm::dvec3 half(80, 64, 80), at = glm::dvec3(voxel) / half;
     const double edge = 1 - glm::dot(at, at);
-    return edge > 0 ? std::max(2 * import::fractalNoise(glm::dvec3(voxel) / 48.0, 5, 7) - 1 + 0.8f * float(edge), 0.0f)
+    return edge > 0 ? std::max(2 * volumes::fractalNoise(glm::dvec3(voxel) / 48.0, 5, 7) - 1 + 0.8f * float(edge), 0.0f)
                     : 0;
 }
 
@@ -61,12 +61,12 @@ float sheetAt(glm::ivec3 voxel) {
 Volume puff(int frame) {
     const double deviation = 9 + 0.5 * frame;
     const glm::dvec3 centre(0, 2.0 * frame, 0);
-    return volumeOf(import::sampled({-48, -48, -48}, {48, 64, 48}, 1e-3f,
-                                    [&](glm::ivec3 v) {
-                                        const double r = glm::length(glm::dvec3(v) - centre) / deviation;
-                                        return float(std::exp(-r * r / 2)) *
-                                               import::fractalNoise((glm::dvec3(v) - centre) / 16.0, 3, 5);
-                                    }),
+    return volumeOf(volumes::sampled({-48, -48, -48}, {48, 64, 48}, 1e-3f,
+                                     [&](glm::ivec3 v) {
+                                         const double r = glm::length(glm::dvec3(v) - centre) / deviation;
+                                         return float(std::exp(-r * r / 2)) *
+                                                volumes::fractalNoise((glm::dvec3(v) - centre) / 16.0, 3, 5);
+                                     }),
                     0.1);
 }
 
@@ -84,17 +84,17 @@ public:
 
     void volume(const std::string& name, const Volume& volume, double density) {
         const std::filesystem::path in = folder_ / (name + ".vdb");
-        import::writeVolume(in, volume);
-        import::ImportSettings settings = settingsOf(in, folder_ / (name + ".ply"), density);
+        volumes::writeVolume(in, volume);
+        volumes::ImportSettings settings = settingsOf(in, folder_ / (name + ".ply"), density);
         const double begun = seconds();
-        const import::Imported got = import::importFiles(settings, [](const std::string&) {});
+        const volumes::Imported got = volumes::importFiles(settings, [](const std::string&) {});
         row(name, got, seconds() - begun);
         std::string lattice = "";
         if (lattice_) {
-            settings.fit.per_value = import::depthPerValue(volume, settings.placing);
+            settings.fit.per_value = volumes::depthPerValue(volume, settings.placing);
             const double from = seconds();
             double spacing = 1;
-            const import::Fit fit = import::fitLattice(volume.voxels, settings.fit, spacing);
+            const volumes::Fit fit = volumes::fitLattice(volume.voxels, settings.fit, spacing);
             lattice = fmt::format("{:.2f}, {}, {:.4f}, {:.0f}", spacing, fit.kernels.size(), fit.error.worst(),
                                   seconds() - from);
         }
@@ -104,34 +104,35 @@ public:
 
     void sequence(const std::string& name, int frames) {
         for (int frame = 1; frame <= frames; ++frame)
-            import::writeVolume(folder_ / fmt::format("{}_{:04}.vdb", name, frame), puff(frame), true);
+            volumes::writeVolume(folder_ / fmt::format("{}_{:04}.vdb", name, frame), puff(frame), true);
         const double begun = seconds();
-        const import::Imported got = import::importFiles(
+        const volumes::Imported got = volumes::importFiles(
             settingsOf(folder_ / (name + "_####.vdb"), folder_ / (name + "_####.ply"), 2), [](const std::string&) {});
         row(fmt::format("{}, the last of {} frames", name, frames), got, (seconds() - begun) / frames);
         std::printf(" |\n");
     }
 
 private:
-    import::ImportSettings settingsOf(const std::filesystem::path& in, const std::filesystem::path& out,
-                                      double density) const {import::ImportSettings settings;
-    settings.in = in;
-    settings.out = out;
-    settings.placing.density = density;
-    settings.fit.error = error_;
-    return settings;
-}
+    volumes::ImportSettings settingsOf(const std::filesystem::path& in, const std::filesystem::path& out,
+                                       double density) const {
+        volumes::ImportSettings settings;
+        settings.in = in;
+        settings.out = out;
+        settings.placing.density = density;
+        settings.fit.error = error_;
+        return settings;
+    }
 
-    void row(const std::string& name, const import::Imported& got, double took) const {
-    std::printf("| %s | %llu | %g | %.4f, %.4f%s | %llu | %.1f | %.1f |", name.c_str(),
-                static_cast<unsigned long long>(got.voxels), error_, got.error.depth, got.error.opacity,
-                got.kept ? "" : ", missed", static_cast<unsigned long long>(got.points),
-                double(got.voxels) / double(got.points), took);
-}
+    void row(const std::string& name, const volumes::Imported& got, double took) const {
+        std::printf("| %s | %llu | %g | %.4f, %.4f%s | %llu | %.1f | %.1f |", name.c_str(),
+                    static_cast<unsigned long long>(got.voxels), error_, got.error.depth, got.error.opacity,
+                    got.kept ? "" : ", missed", static_cast<unsigned long long>(got.points),
+                    double(got.voxels) / double(got.points), took);
+    }
 
-std::filesystem::path folder_;
-double error_;
-bool lattice_;
+    std::filesystem::path folder_;
+    double error_;
+    bool lattice_;
 }; // namespace
 
 } // namespace
@@ -155,11 +156,11 @@ int main(int argc, char** argv) {
         if (wanted("cumulus")) bench.volume("cumulus", sceneVolume("cumulus", 1, 0.35), 1);
         if (wanted("plume")) bench.volume("plume", sceneVolume("plume", 600, 0.08), 1);
         if (wanted("noise"))
-            bench.volume("noise", volumeOf(import::sampled({-80, -64, -80}, {80, 64, 80}, 0, noiseAt), 1), 0.05);
+            bench.volume("noise", volumeOf(volumes::sampled({-80, -64, -80}, {80, 64, 80}, 0, noiseAt), 1), 0.05);
         if (wanted("ball"))
-            bench.volume("ball", volumeOf(import::sampled(glm::ivec3(-62), glm::ivec3(62), 0, ballAt), 1), 0.1);
+            bench.volume("ball", volumeOf(volumes::sampled(glm::ivec3(-62), glm::ivec3(62), 0, ballAt), 1), 0.1);
         if (wanted("sheet"))
-            bench.volume("sheet", volumeOf(import::sampled({-90, -20, -90}, {90, 20, 90}, 0, sheetAt), 1), 0.5);
+            bench.volume("sheet", volumeOf(volumes::sampled({-90, -20, -90}, {90, 20, 90}, 0, sheetAt), 1), 0.5);
         if (wanted("puff")) bench.sequence("puff", 6);
         return 0;
     } catch (const std::exception& e) {

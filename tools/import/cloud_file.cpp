@@ -10,7 +10,7 @@
 
 #include "common/scene_limits.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -107,4 +107,4 @@ void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std
     if (!out) throw ImportError(file.string() + ": cannot be written");
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -13,7 +13,7 @@
 #include "tools/import/fit.h"
 #include "tools/import/volume.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 // How a file's space becomes that of a scene.
 struct Placing {
@@ -57,4 +57,4 @@ Cloud cloudOf(const Volume& volume, const std::vector<Kernel>& kernels, const Pl
 // Binary little-endian. Throws ImportError if it cannot be written.
 void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std::vector<std::string>& comments);
 
-} // namespace brume::import
+} // namespace brume::volumes

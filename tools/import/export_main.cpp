@@ -24,30 +24,31 @@ struct Settings {
 void exportCloud(const Settings& settings) {
     const PointCloud cloud = loadPly(settings.in);
     if (cloud.scale.empty() || cloud.sigma_t.empty())
-        throw import::ImportError(settings.in.string() + ": its points need a scale and a sigma_t");
-    std::vector<import::Ball> balls;
+        throw volumes::ImportError(settings.in.string() + ": its points need a scale and a sigma_t");
+    constexpr double kFar = volumes::kFarthest * 0.25; // voxels
+    std::vector<volumes::Ball> balls;
     for (size_t i = 0; i < cloud.position.size(); ++i) {
         glm::dvec3 at(cloud.position[i]);
         if (settings.z_up) at = {at.x, -at.z, at.y};
         const double deviation = double(cloud.scale[i]) * settings.falloff / 10;
         balls.push_back({at / settings.voxel, deviation / settings.voxel, double(cloud.sigma_t[i]),
                          cloud.albedo.empty() ? glm::vec3(1) : cloud.albedo[i]});
-        if (glm::any(glm::greaterThan(glm::abs(balls.back().centre), glm::dvec3(import::kFarthest / 4))))
-            throw import::ImportError("a particle lies too far from the origin for so small voxels: a larger --voxel");
+        if (glm::any(glm::greaterThan(glm::abs(balls.back().centre), glm::dvec3(kFar))))
+            throw volumes::ImportError("a particle lies too far from the origin for so small voxels: a larger --voxel");
         if (balls.back().deviation > 1000) // 10,000 voxels wide
-            throw import::ImportError("a particle is too large for so small voxels: a larger --voxel");
+            throw volumes::ImportError("a particle is too large for so small voxels: a larger --voxel");
     }
-    if (const uint64_t voxels = import::blocksOf(balls) * import::kInBlock; voxels > import::kMostVoxels)
-        throw import::ImportError(
-            fmt::format("{} voxels would be needed; allowed: {}: a larger --voxel", voxels, import::kMostVoxels));
-    import::Raster raster = import::rasterised(balls, float(settings.least), !cloud.albedo.empty());
-    import::Volume volume;
+    if (const uint64_t voxels = volumes::blocksOf(balls) * volumes::kInBlock; voxels > volumes::kMostVoxels)
+        throw volumes::ImportError(
+            fmt::format("{} voxels would be needed; allowed: {}: a larger --voxel", voxels, volumes::kMostVoxels));
+    volumes::Raster raster = volumes::rasterised(balls, float(settings.least), !cloud.albedo.empty());
+    volumes::Volume volume;
     volume.voxels = std::move(raster.voxels);
     volume.albedo = std::move(raster.albedo);
     volume.width = settings.voxel;
     volume.turn = glm::dmat3(settings.voxel);
-    if (volume.voxels.active() == 0) throw import::ImportError("nothing is above --least");
-    import::writeVolume(settings.out, volume);
+    if (volume.voxels.active() == 0) throw volumes::ImportError("nothing is above --least");
+    volumes::writeVolume(settings.out, volume);
     const double side = settings.voxel;
     std::printf("%s: %zu particles as %llu voxels; mass %.6g m2\n", settings.out.c_str(), balls.size(),
                 static_cast<unsigned long long>(volume.voxels.active()), volume.voxels.sum() * side * side * side);

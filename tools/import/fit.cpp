@@ -8,7 +8,7 @@
 
 #include "tools/import/octree.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -96,7 +96,6 @@ Fit fit(const Voxels& voxels, const FitSettings& settings) {
     const Rays rays(voxels, settings.per_value);
     const Octree tree(voxels, settings.shape, settings.per_value);
     const double least = priceOf(tree, settings.most);
-    const size_t at_most = tree.choose(least).size();
     Search search(settings.error, least);
     Fit best;
     int tried = 0;
@@ -108,8 +107,7 @@ Fit fit(const Voxels& voxels, const FitSettings& settings) {
         search.add(price, now.error.worst());
         if (tried++ == 0 || better(now, best)) best = std::move(now);
     }
-    best.tried = tried;
-    best.all = at_most < settings.most && least == kLeastPrice;
+    best.all = least == kLeastPrice;
     return best;
 }
 
@@ -132,4 +130,4 @@ Fit fitLattice(const Voxels& voxels, const FitSettings& settings, double& spacin
     return best;
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -8,7 +8,7 @@
 #include "tools/import/rays.h"
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 struct FitSettings {
     double error = 0.01;       // allowed: SeenError::worst()
@@ -22,8 +22,7 @@ struct Fit {
     std::vector<Kernel> kernels;
     SeenError error;
     bool kept = false; // True: the error is within the bound
-    bool all = false;  // True: more Gaussians would not be chosen at any price
-    int tried = 0;     // fits
+    bool all = false;  // True: `most` allows a Gaussian for each voxel, and the search went as far where it had to
 };
 
 // Searches for the price of a Gaussian at which the error is just within the bound. If `most` is too few for that, the
@@ -34,4 +33,4 @@ Fit fit(const Voxels& voxels, const FitSettings& settings);
 // A lattice of one spacing with masses alone, for comparison: the widest one within the bound, to a hundredth.
 Fit fitLattice(const Voxels& voxels, const FitSettings& settings, double& spacing);
 
-} // namespace brume::import
+} // namespace brume::volumes

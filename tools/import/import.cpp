@@ -1,6 +1,7 @@
 #include "tools/import/import.h"
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -8,7 +9,7 @@
 #include "common/scene_limits.h"
 #include "common/numbered_files.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -28,6 +29,27 @@ std::string missed(const Fit& fit, const FitSettings& settings) {
                        settings.error, remedy);
 }
 
+// The same volume with voxels half as wide. A colour between voxels is that of the densest around.
+Volume halved(const Volume& volume) {
+    Volume out = volume;
+    out.voxels = halved(volume.voxels);
+    out.turn *= 0.5;
+    out.width *= 0.5;
+    if (volume.albedo.empty()) return out;
+    out.albedo.assign(out.voxels.values().size(), glm::vec3(0));
+    for (size_t i = 0; i < out.albedo.size(); ++i) {
+        const glm::ivec3 voxel = voxelOf(out.voxels.blocks()[i / kInBlock], i % kInBlock);
+        float most = 0;
+        for (int n = 0; n < 8; ++n) {
+            const glm::ivec3 near = (voxel >> 1) + ((voxel & 1) & glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
+            if (volume.voxels.at(near) <= most) continue;
+            most = volume.voxels.at(near);
+            out.albedo[i] = volume.albedo[volume.voxels.find(near >> 3) * kInBlock + inBlock(near)];
+        }
+    }
+    return out;
+}
+
 class Importer {
 public:
     Importer(const ImportSettings& settings, const std::function<void(const std::string&)>& say)
@@ -39,9 +61,14 @@ public:
         if (!std::ofstream(out, std::ios::app)) throw ImportError(out.string() + ": cannot be written");
         for (const std::string& note : volume.notes) say_(in.string() + ": " + note);
         if (ids) colour(in, volume);
-        FitSettings how = settings_.fit;
-        how.per_value = depthPerValue(volume, settings_.placing);
-        const Fit fit = import::fit(volume.voxels, how);
+        const uint64_t voxels = volume.voxels.active();
+        const double mass = volume.voxels.sum() * settings_.placing.density * std::pow(widthOf(volume), 3);
+        Fit fit = fitted(volume);
+        // Where a Gaussian for each voxel is not enough, what lies between voxels is followed, too.
+        while (!fit.kept && fit.all && volume.voxels.active() * 8 < kMostVoxels) {
+            volume = halved(volume);
+            fit = fitted(volume);
+        }
         const Cloud cloud = cloudOf(volume, fit.kernels, settings_.placing, ids);
         writeCloud(out, cloud,
                    {"made by brume-import from " + in.filename().string(),
@@ -49,16 +76,13 @@ public:
                                 fit.error.opacity),
                     fmt::format("for medium.falloff = {:g}; a value of 1 is {:g} 1/m", settings_.placing.falloff,
                                 settings_.placing.density)});
-        const double voxel = volume.width * settings_.placing.scale;
         say_(fmt::format("{}: {} particles for {} voxels, {:.1f} times fewer; error {:.3g} of optical depth, {:.3g} of "
-                         "what is stopped; mass {:.6g} m2; {:.1f} s, {} fits",
-                         out.string(), fit.kernels.size(), volume.voxels.active(),
-                         double(volume.voxels.active()) / double(fit.kernels.size()), fit.error.depth,
-                         fit.error.opacity, volume.voxels.sum() * settings_.placing.density * voxel * voxel * voxel,
-                         seconds() - begun, fit.tried));
+                         "what is stopped; mass {:.6g} m2; {:.1f} s",
+                         out.string(), fit.kernels.size(), voxels, double(voxels) / double(fit.kernels.size()),
+                         fit.error.depth, fit.error.opacity, mass, seconds() - begun));
         if (!fit.kept) say_(missed(fit, settings_.fit));
         result.kept = result.kept && fit.kept;
-        result.voxels = volume.voxels.active();
+        result.voxels = voxels;
         result.points = fit.kernels.size();
         result.error = fit.error;
     }
@@ -66,6 +90,14 @@ public:
     Imported result{.kept = true, .error = {}};
 
 private:
+    double widthOf(const Volume& volume) const { return volume.width * settings_.placing.scale; } // of a voxel, m
+
+    Fit fitted(const Volume& volume) const {
+        FitSettings how = settings_.fit;
+        how.per_value = depthPerValue(volume, settings_.placing);
+        return fit(volume.voxels, how);
+    }
+
     // All files of a sequence have the same properties: the first one's.
     void colour(const std::filesystem::path& in, Volume& volume) {
         const bool has = !volume.albedo.empty();
@@ -99,4 +131,4 @@ Imported importFiles(const ImportSettings& settings, const std::function<void(co
     return importer.result;
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

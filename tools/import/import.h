@@ -9,7 +9,7 @@
 #include "tools/import/fit.h"
 #include "tools/import/volume.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 struct ImportSettings {
     std::filesystem::path in, out; // with a run of #: a sequence
@@ -28,4 +28,4 @@ struct Imported {
 // for a sequence without files.
 Imported importFiles(const ImportSettings& settings, const std::function<void(const std::string&)>& say);
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -10,10 +10,11 @@
 
 int main(int argc, char** argv) {
     using namespace brume;
-    import::ImportSettings settings;
+    volumes::ImportSettings settings;
     CLI::App app{
         "brume-import: a VDB volume as a PLY file of particles, for medium.layout = \"file\".\n"
-        "With a # for each digit of a number (smoke_####.vdb out_####.ply) all frames, for medium.layout = \"sequence\".\n"
+        "With a # for each digit of a number all frames (smoke_####.vdb out_####.ply), for medium.layout =\n"
+        "\"sequence\".\n"
         "The error is the relative RMSE of many rays' optical depths, and of 1 - exp(-depth): the larger of both.\n"
         "Exit status: 0, 1 for what cannot be done, 2 if the error is above the bound; the file is written then, too."};
     std::string up = "y";
@@ -39,8 +40,8 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     settings.placing.z_up = up == "z";
     try {
-        const import::Imported done =
-            import::importFiles(settings, [](const std::string& line) { std::printf("%s\n", line.c_str()); });
+        const volumes::Imported done =
+            volumes::importFiles(settings, [](const std::string& line) { std::printf("%s\n", line.c_str()); });
         return done.kept ? 0 : 2;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "brume-import: %s\n", e.what());

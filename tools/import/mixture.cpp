@@ -7,7 +7,7 @@
 
 #include "tools/import/parallel.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -86,7 +86,7 @@ void gather(const float* values, glm::ivec3 origin, const Weights& weights, glm:
         std::array<float, kSide> over_y{};
         for (int y = y_from; y < y_to; ++y) {
             const float wy = weights.y.w[size_t(y - weights.y.first)];
-            const float* const row = values + (x - origin.x) * 64 + (y - origin.y) * 8;
+            const float* const row = values + inBlock({x, y, origin.z});
             for (size_t z = 0; z < kSide; ++z) over_y[z] += wy * row[z];
             if constexpr (shapes) {
                 float* const sum = &over_x[size_t(y - origin.y) * kSide];
@@ -130,7 +130,7 @@ void scatter(float* values, glm::ivec3 origin, const Weights& weights, float mas
     for (int x = x_from; x < x_to; ++x)
         for (int y = y_from; y < y_to; ++y) {
             const float w = mass * weights.x.w[size_t(x - weights.x.first)] * weights.y.w[size_t(y - weights.y.first)];
-            float* const row = values + (x - origin.x) * 64 + (y - origin.y) * 8;
+            float* const row = values + inBlock({x, y, origin.z});
             for (size_t z = 0; z < kSide; ++z) row[z] += w * wz[z];
         }
 }
@@ -238,4 +238,4 @@ void Mixture::keepMass() {
     for (Kernel& kernel : kernels_) kernel.mass = float(double(kernel.mass) * factor);
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

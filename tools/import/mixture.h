@@ -9,7 +9,7 @@
 
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 inline constexpr int kLevels = 7; // cells of a lattice are 1, 2, 4 ... 64 voxels wide
 
@@ -59,4 +59,4 @@ private:
     std::array<size_t, kLevels + 1> begin_{}; // of each level
 };
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -17,7 +17,7 @@ enum class Choice : uint8_t { none, one, parts };
 void squares(const float* values, const float* less, glm::ivec3 origin, int width, const ColumnWeights& weights,
              std::vector<float>& to) {
     const int parts = kSide / width;
-    to.assign(size_t(parts * parts * parts), 0);
+    to.assign(static_cast<unsigned>(parts * parts * parts), 0);
     for (int axis = 0; axis < 3; ++axis)
         for (int column = 0; column < kSide * kSide; ++column) {
             glm::ivec3 in(0);
@@ -27,11 +27,11 @@ void squares(const float* values, const float* less, glm::ivec3 origin, int widt
                 double sum = 0;
                 for (int k = part * width; k < (part + 1) * width; ++k) {
                     in[axis] = k;
-                    const auto n = size_t(in.x * 64 + in.y * 8 + in.z);
+                    const size_t n = inBlock(in);
                     sum += double(values[n]) - (less ? double(less[n]) : 0);
                 }
                 const glm::ivec3 cell = in / width;
-                to[size_t((cell.x * parts + cell.y) * parts + cell.z)] += float(weight * sum * sum);
+                to[static_cast<unsigned>((cell.x * parts + cell.y) * parts + cell.z)] += float(weight * sum * sum);
             }
         }
 }
@@ -163,4 +163,4 @@ std::vector<Kernel> Octree::choose(double price) const {
     return out;
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -9,7 +9,7 @@
 #include "tools/import/mixture.h"
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 // How much the square of an error of a voxel's value counts that is seen along an axis. It depends on what else lies on
 // that line.
@@ -61,4 +61,4 @@ private:
     std::array<std::vector<Cell>, kLevels> cells_; // from level 1 on, by their Morton numbers
 };
 
-} // namespace brume::import
+} // namespace brume::volumes

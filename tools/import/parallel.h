@@ -9,7 +9,7 @@
 
 #include "common/cores.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 // Calls body(i) for each i below `count`. The body must not throw.
 template <class Body>
@@ -24,4 +24,4 @@ void parallelFor(size_t count, const Body& body) {
     work();
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -8,7 +8,7 @@
 
 #include "tools/import/parallel.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -80,4 +80,4 @@ Raster rasterised(std::span<const Ball> balls, float least, bool coloured) {
     return out;
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

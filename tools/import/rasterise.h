@@ -7,7 +7,7 @@
 
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 struct Ball {
     glm::dvec3 centre; // voxels, as the deviation
@@ -26,4 +26,4 @@ Raster rasterised(std::span<const Ball> balls, float least, bool coloured = fals
 // The number of blocks that balls reach, each of kInBlock voxels.
 uint64_t blocksOf(std::span<const Ball> balls);
 
-} // namespace brume::import
+} // namespace brume::volumes

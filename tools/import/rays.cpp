@@ -9,7 +9,7 @@
 #include "common/random.h"
 #include "tools/import/parallel.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -35,7 +35,7 @@ public:
         for (int n = 0; n < 8; ++n) {
             const glm::ivec3 in = (cell & 7) + glm::ivec3(n & 1, n >> 1 & 1, n >> 2);
             const glm::ivec3 over = in >> 3;
-            const uint32_t block = blocks_[size_t(over.x + 2 * over.y + 4 * over.z)];
+            const uint32_t block = blocks_[static_cast<unsigned>(over.x + 2 * over.y + 4 * over.z)];
             out[size_t(n)] = block == kNoBlock ? 0 : double(voxels_.values()[block * kInBlock + inBlock(in)]);
         }
         return true;
@@ -173,4 +173,4 @@ SeenError Rays::errorOf(std::span<const Kernel> kernels) const {
     return {std::sqrt(all.depth / all.depth_of), std::sqrt(all.opacity / all.opacity_of)};
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -10,7 +10,7 @@
 #include "tools/import/mixture.h"
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 // Relative RMSE over all rays: sqrt(sum (got - true)^2 / sum true^2).
 struct SeenError {
@@ -43,4 +43,4 @@ private:
     std::vector<Bundle> bundles_;
 };
 
-} // namespace brume::import
+} // namespace brume::volumes

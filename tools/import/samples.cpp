@@ -6,7 +6,7 @@
 #include "common/random.h"
 #include "tools/import/parallel.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -72,4 +72,4 @@ float fractalNoise(glm::dvec3 at, int octaves, uint64_t seed) {
     return sum / all;
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

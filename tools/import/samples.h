@@ -8,7 +8,7 @@
 
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 // Voxels of the box [lo, hi] where `value` is above `least`; the others are 0.
 Voxels sampled(glm::ivec3 lo, glm::ivec3 hi, float least, const std::function<float(glm::ivec3)>& value);
@@ -16,4 +16,4 @@ Voxels sampled(glm::ivec3 lo, glm::ivec3 hi, float least, const std::function<fl
 // Noise of several octaves in [0, 1], smooth, the same on all machines. One period is the largest octave's.
 float fractalNoise(glm::dvec3 at, int octaves, uint64_t seed);
 
-} // namespace brume::import
+} // namespace brume::volumes

@@ -12,7 +12,7 @@
 
 #include "tools/import/voxels.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 inline constexpr uint64_t kMostVoxels = 256'000'000; // active ones; the fit takes some 30 bytes for each
 
@@ -44,4 +44,4 @@ Volume readVolume(const std::filesystem::path& file, const VolumeWanted& wanted)
 // is for tests. Throws ImportError if it cannot.
 void writeVolume(const std::filesystem::path& file, const Volume& volume, bool with_velocity = false);
 
-} // namespace brume::import
+} // namespace brume::volumes

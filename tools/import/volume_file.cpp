@@ -10,7 +10,7 @@
 
 #include "tools/import/volume.h"
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -40,7 +40,7 @@ Names namesIn(openvdb::io::File& file) {
 
 template <class Grid>
 openvdb::FloatGrid::Ptr floats(const openvdb::GridBase::Ptr& grid) {
-    const auto typed = openvdb::gridPtrCast<Grid>(grid);
+    typename Grid::Ptr typed = openvdb::gridPtrCast<Grid>(grid);
     if constexpr (std::is_same_v<Grid, openvdb::FloatGrid>)
         return typed;
     else {
@@ -130,7 +130,7 @@ void copyAlbedo(const openvdb::Vec3SGrid& grid, Volume& out) {
         grid.getConstAccessor(), grid.transform());
     for (size_t i = 0; i < out.albedo.size(); ++i) {
         if (!(out.voxels.values()[i] > 0)) continue;
-        const glm::ivec3 voxel = import::voxelOf(out.voxels.blocks()[i / kInBlock], i % kInBlock);
+        const glm::ivec3 voxel = volumes::voxelOf(out.voxels.blocks()[i / kInBlock], i % kInBlock);
         const glm::dvec3 at = out.origin + out.turn * glm::dvec3(voxel);
         const openvdb::Vec3s value = sampler.wsSample(openvdb::Vec3d(at.x, at.y, at.z));
         out.albedo[i] = glm::clamp(glm::vec3(value.x(), value.y(), value.z()), 0.0f, 1.0f);
@@ -226,7 +226,7 @@ void writeVolume(const std::filesystem::path& path, const Volume& volume, bool w
     for (size_t i = 0; i < volume.voxels.values().size(); ++i) {
         const float value = volume.voxels.values()[i];
         if (!(value > 0)) continue;
-        const openvdb::Coord at = coordOf(import::voxelOf(volume.voxels.blocks()[i / kInBlock], i % kInBlock));
+        const openvdb::Coord at = coordOf(volumes::voxelOf(volume.voxels.blocks()[i / kInBlock], i % kInBlock));
         densities.setValue(at, value);
         if (!volume.albedo.empty()) albedos.setValue(at, {volume.albedo[i].x, volume.albedo[i].y, volume.albedo[i].z});
         if (with_velocity) velocities.setValue(at, {0, 1, 0});
@@ -241,4 +241,4 @@ void writeVolume(const std::filesystem::path& path, const Volume& volume, bool w
     refuse(path, fmt::format("cannot be written: {}", e.what()));
 }
 
-} // namespace brume::import
+} // namespace brume::volumes

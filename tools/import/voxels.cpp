@@ -4,7 +4,7 @@
 #include <limits>
 #include <tuple>
 
-namespace brume::import {
+namespace brume::volumes {
 
 namespace {
 
@@ -57,4 +57,21 @@ float Voxels::at(glm::ivec3 voxel) const {
     return block == kNoBlock ? 0 : values_[block * kInBlock + inBlock(voxel)];
 }
 
-} // namespace brume::import
+Voxels halved(const Voxels& voxels) {
+    std::vector<glm::ivec3> blocks;
+    for (const glm::ivec3 block : voxels.blocks()) // a part of the block before it on each axis belongs to it, too
+        for (int n = 0; n < 27; ++n) blocks.push_back(2 * block + glm::ivec3(n / 9, n / 3 % 3, n % 3) - 1);
+    std::ranges::sort(blocks, {}, [](glm::ivec3 b) { return std::tuple(b.x, b.y, b.z); });
+    blocks.erase(std::ranges::unique(blocks).begin(), blocks.end());
+    Voxels out(std::move(blocks));
+    for (size_t i = 0; i < out.values().size(); ++i) {
+        const glm::ivec3 voxel = voxelOf(out.blocks()[i / kInBlock], i % kInBlock), odd = voxel & 1;
+        float sum = 0;
+        for (int n = 0; n < 8; ++n) sum += voxels.at((voxel >> 1) + (odd & glm::ivec3(n & 1, n >> 1 & 1, n >> 2)));
+        out.values()[i] = sum / 8;
+    }
+    out.finish();
+    return out;
+}
+
+} // namespace brume::volumes

@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-namespace brume::import {
+namespace brume::volumes {
 
 inline constexpr int kSide = 8;                           // voxels
 inline constexpr size_t kInBlock = kSide * kSide * kSide; // x slowest, z fastest
@@ -50,6 +50,9 @@ private:
     glm::ivec3 lo_{0}, hi_{0};
 };
 
+// The same trilinear function, of voxels half as wide: voxel (2 i, 2 j, 2 k) is where (i, j, k) was.
+Voxels halved(const Voxels& voxels);
+
 // The place of a voxel's value in its block.
 inline size_t inBlock(glm::ivec3 voxel) { return size_t((voxel.x & 7) * 64 + (voxel.y & 7) * 8 + (voxel.z & 7)); }
 // The voxel of a place in a block.
@@ -69,4 +72,4 @@ void forActive(const Voxels& voxels, const Visit& visit) {
 // Precondition: they are between -kFarthest and kFarthest.
 uint64_t mortonOf(glm::ivec3 cell);
 
-} // namespace brume::import
+} // namespace brume::volumes
