@@ -211,6 +211,7 @@ TEST(ImportFile, WhatIsWrongIsSaidInOneLine) {
               "a # for each digit of a frame's number is allowed in both names or in none");
     ImportSettings dense = settingsOf("ball.vdb", "a.ply");
     dense.placing.density = 1e6;
+    dense.fit.error = 1;
     EXPECT_EQ(errorOf(dense).find("a particle's extinction would be "), 0u);
 }
 

@@ -65,7 +65,7 @@ public:
         const double mass = volume.voxels.sum() * settings_.placing.density * std::pow(widthOf(volume), 3);
         Fit fit = fitted(volume);
         // Where a Gaussian for each voxel is not enough, what lies between voxels is followed, too.
-        while (!fit.kept && fit.all && volume.voxels.active() * 8 < kMostVoxels) {
+        if (!fit.kept && fit.all && volume.voxels.active() * 8 < kMostVoxels) {
             volume = halved(volume);
             fit = fitted(volume);
         }
