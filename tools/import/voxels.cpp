@@ -62,7 +62,7 @@ Voxels halved(const Voxels& voxels) {
     for (const glm::ivec3 block : voxels.blocks()) // a part of the block before it on each axis belongs to it, too
         for (int n = 0; n < 27; ++n) blocks.push_back(2 * block + glm::ivec3(n / 9, n / 3 % 3, n % 3) - 1);
     std::ranges::sort(blocks, {}, [](glm::ivec3 b) { return std::tuple(b.x, b.y, b.z); });
-    blocks.erase(std::ranges::unique(blocks).begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     Voxels out(std::move(blocks));
     for (size_t i = 0; i < out.values().size(); ++i) {
         const glm::ivec3 voxel = voxelOf(out.blocks()[i / kInBlock], i % kInBlock), odd = voxel & 1;
