@@ -252,7 +252,7 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo)
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 11)).find("rows 0"), 0u);
     EXPECT_EQ(refused(setParticles(4, {1, kNan, 3}, {1}, {1}, {}, 1)),
               "the position of row 4 must be -50000 ... 50000");
-    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {0}, {1}, {}, 1)), "the scale of row 0 must be 0.001 ... 1000");
+    EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {0}, {1}, {}, 1)), "the scale of row 0 must be 0.001 ... 100000");
     EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {-1}, {}, 1)), "the extinction of row 0 must be 0 ... 10000");
     EXPECT_EQ(refused(setParticles(0, {1, 2, 3}, {1}, {1}, {0, 2, 0}, 1)), "the albedo of row 0 must be 0 ... 1");
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, 61)), "seconds must be 0 ... 60");
