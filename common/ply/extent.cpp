@@ -14,11 +14,12 @@ constexpr double kFar = 20;          // radii
 constexpr size_t kFewest = 50;       // points, of which some can be told to be far from the others
 constexpr double kFarFromOne = 2000; // m, which are told as km
 
-// The distance along the axis where it is largest. 0 for a place that is not finite: it is dropped otherwise.
+bool isFinite(glm::dvec3 place) { return std::isfinite(place.x + place.y + place.z); }
+
+// The distance along the axis where it is largest.
 double distanceOf(glm::dvec3 place, glm::dvec3 middle) {
     const glm::dvec3 d = glm::abs(place - middle);
-    const double most = std::max({d.x, d.y, d.z});
-    return std::isfinite(d.x + d.y + d.z) ? most : 0;
+    return std::max({d.x, d.y, d.z});
 }
 
 } // namespace
@@ -36,25 +37,26 @@ glm::dvec3 placeOf(const Points& points, size_t i, const std::string& up) {
 
 PlyExtent extentOf(const Points& points, const std::string& up) {
     PlyExtent out;
-    std::vector<glm::dvec3> places;
-    for (size_t i = 0; i < points.count(); ++i) {
-        const glm::dvec3 place = placeOf(points, i, up);
-        if (std::isfinite(place.x + place.y + place.z)) places.push_back(place);
-    }
-    out.count = places.size();
-    if (places.empty()) return out;
-    std::vector<double> numbers(places.size());
+    std::vector<double> numbers; // one of each point at a finite place
+    numbers.reserve(points.count());
+    const auto take = [&](const auto& number) {
+        numbers.clear();
+        for (size_t i = 0; i < points.count(); ++i)
+            if (const glm::dvec3 place = placeOf(points, i, up); isFinite(place)) numbers.push_back(number(place));
+    };
     const auto at = [&](double part) { // of all numbers so many are below it
         const auto nth = numbers.begin() + std::ptrdiff_t(part * double(numbers.size() - 1));
         std::nth_element(numbers.begin(), nth, numbers.end());
         return *nth;
     };
     for (int axis = 0; axis < 3; ++axis) {
-        std::ranges::transform(places, numbers.begin(), [&](const glm::dvec3& place) { return place[axis]; });
+        take([axis](glm::dvec3 place) { return place[axis]; });
+        out.count = numbers.size();
+        if (numbers.empty()) return out;
         out.middle[axis] = at(0.5);
     }
-    std::ranges::transform(places, numbers.begin(), [&](const glm::dvec3& p) { return distanceOf(p, out.middle); });
-    out.radius = at(places.size() < kFewest ? 1 : kInside);
+    take([&](glm::dvec3 place) { return distanceOf(place, out.middle); });
+    out.radius = at(numbers.size() < kFewest ? 1 : kInside);
     if (!(out.radius > 0)) return out;
     for (const double distance : numbers)
         if (distance > kFar * out.radius) ++out.far, out.farthest = std::max(out.farthest, distance);
@@ -62,7 +64,7 @@ PlyExtent extentOf(const Points& points, const std::string& up) {
 }
 
 bool isFar(const PlyExtent& extent, glm::dvec3 place) {
-    return extent.far > 0 && distanceOf(place, extent.middle) > kFar * extent.radius;
+    return extent.far > 0 && isFinite(place) && distanceOf(place, extent.middle) > kFar * extent.radius;
 }
 
 std::string farText(const PlyExtent& extent, double unit) {
