@@ -1,6 +1,7 @@
 // Point clouds that are uploaded while viewers look on, and particles that are taken out.
 #include <csignal>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/ply/ply.h"
@@ -65,15 +66,17 @@ std::string placed(const std::string& places) {
 // 125 points of a cube, `step` from one to the next.
 std::string cube(double step) {
     std::string places;
-    for (int i = 0; i < 125; ++i)
-        places += std::to_string(i % 5 * step) + ' ' + std::to_string(i / 5 % 5 * step) + ' ' +
-                  std::to_string(i / 25 * step) + '\n';
+    for (int x = 0; x < 5; ++x)
+        for (int y = 0; y < 5; ++y)
+            for (int z = 0; z < 5; ++z) places += fmt::format("{} {} {}\n", x * step, y * step, z * step);
     return places;
 }
 
 // By how many levels of red the middle of a picture differs from its left side, where the sky is equally bright.
 int middleAgainstSide(const client::Picture& picture) {
-    const auto red = [&](int x) { return int(picture.rgb[size_t(3 * (picture.height / 2 * picture.width + x))]); };
+    const auto red = [&](int x) {
+        return int(picture.rgb[3 * (size_t(picture.height / 2) * size_t(picture.width) + size_t(x))]);
+    };
     return std::abs(red(picture.width / 2) - red(2));
 }
 
@@ -119,7 +122,8 @@ TEST_F(Uploads, SplatsAreShownInAmbientLightAlone) {
     a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
     ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
     const client::Picture picture = pictureOf(a.last());
-    const uint8_t* middle = &picture.rgb[size_t(3 * (picture.height / 2 * picture.width + picture.width / 2))];
+    const uint8_t* middle =
+        &picture.rgb[3 * (size_t(picture.height / 2) * size_t(picture.width) + size_t(picture.width / 2))];
     EXPECT_GT(middle[0], 200);
     EXPECT_LT(middle[1], 100);
 }

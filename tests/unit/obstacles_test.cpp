@@ -37,7 +37,7 @@ One stopped(const Obstacles& obstacles, const One& one) {
     return out;
 }
 
-Obstacles of(Scene scene) {
+Obstacles of(const Scene& scene) {
     Obstacles out(scene);
     out.follow(listsOf(scene), 1);
     return out;

@@ -69,12 +69,11 @@ TEST(PlyDialects, BothByteOrdersAreRead) {
         "red\nproperty uchar green\nproperty uchar blue\nproperty list ushort float w\nend_header\n";
     std::string little = "ply\nformat binary_little_endian 1.0\n" + head,
                 big = "ply\nformat binary_big_endian 1.0\n" + head;
+    const std::string colour = "\xff\x33" + std::string(1, '\0');
     for (const int i : {1, 300}) {
-        little += raw(i + 0.5) + raw(-i) + raw(int16_t(i)) + "\xff\x33\0" + raw(uint16_t(2)) + raw(1.0f) + raw(2.0f);
-        little.insert(little.size() - 10, 1, '\0');
-        big += swapped(i + 0.5) + swapped(-i) + swapped(int16_t(i)) + "\xff\x33\0" + swapped(uint16_t(2)) +
-               swapped(1.0f) + swapped(2.0f);
-        big.insert(big.size() - 10, 1, '\0');
+        little += raw(i + 0.5) + raw(-i) + raw(int16_t(i)) + colour + raw(uint16_t(2)) + raw(1.0f) + raw(2.0f);
+        big += swapped(i + 0.5) + swapped(-i) + swapped(int16_t(i)) + colour + swapped(uint16_t(2)) + swapped(1.0f) +
+               swapped(2.0f);
     }
     for (const std::string& bytes : {little, big}) {
         const PointCloud cloud = read(bytes);

@@ -11,7 +11,7 @@
 namespace brume::ply_splats_test {
 namespace {
 
-using test::asciiPly, test::kXyz, test::raw;
+using test::asciiPly, test::raw;
 
 const std::string kSplat = "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
                            "property float opacity\nproperty float scale_0\nproperty float scale_1\n"
