@@ -61,13 +61,12 @@ int main(int argc, char** argv) {
     for (int i = 0; i < 32; ++i) scene.boxes.push_back({.centre = {i % 8 - 4, 2, i / 8 - 2}, .size = {0.1f, 4, 0.1f}});
     measure("emitter, 33 boxes", scene, {});
     scene.boxes.clear();
-    for (int i = 0; i < 65'536; ++i) {
-        const glm::vec3 at(0.05f * float(i / 2 % 181 - 90), 5, 0.05f * float(i / 2 / 181 - 90)), x(0.05f, 0, 0),
-            z(0, 0, 0.05f);
-        if (i % 2 == 0)
+    const glm::vec3 x(0.05f, 0, 0), z(0, 0, 0.05f);
+    for (int row = 0; row < 128; ++row)
+        for (int column = 0; column < 256; ++column) {
+            const glm::vec3 at = glm::vec3(-6, 5, -3) + float(column) * x + float(row) * z;
             scene.triangles.push_back({.corners = {at, at + x, at + z}, .albedo = {}});
-        else
             scene.triangles.push_back({.corners = {at + x, at + x + z, at + z}, .albedo = {}});
-    }
+        }
     measure("emitter, 65536 triangles", scene, {});
 }
