@@ -19,7 +19,7 @@ public:
 
     // May be 0. Without a buffer view elements are zero and take no memory, however many they are.
     size_t count() const { return count_; }
-    size_t parts() const { return parts_; } // of an element
+    size_t parts() const { return parts_; } // numbers of an element
     // Component `part` of element i < count(); between -1 and 1, or 0 and 1, where it is normalised.
     double number(size_t i, size_t part) const;
     glm::dvec3 vec3(size_t i) const { return {number(i, 0), number(i, 1), number(i, 2)}; }

@@ -10,7 +10,7 @@ namespace brume::gltf {
 
 using Bytes = std::vector<unsigned char>;
 
-inline constexpr size_t kMostBytes = 64 << 20; // of a file; of all its buffers; and of all its images
+inline constexpr size_t kMostBytes = 64 << 20; // the most of a file, of all its buffers, and of all its images
 
 // The bytes of a plain file of at most `most` bytes. False: there is none, or it is larger.
 bool readBytes(const std::filesystem::path& file, size_t most, Bytes& out);

@@ -32,7 +32,7 @@ private:
     ByteSpan buffer(size_t index);
 
     Json root_;
-    ByteSpan binary_; // of a .glb
+    ByteSpan binary_; // the second chunk of a .glb; of a .gltf empty
     Sources buffer_sources_, image_sources_;
     std::map<size_t, Bytes> buffers_;
 };

@@ -15,8 +15,8 @@ namespace brume::gltf {
 using Json = nlohmann::json;
 
 inline constexpr size_t kMostJsonMemory = 256 << 20; // bytes that JSON may take when it is read
-inline constexpr size_t kBytesAValue = 96;           // of memory, at most, besides the text
-inline constexpr int kMostDepth = 64;                // of JSON in JSON
+inline constexpr size_t kBytesAValue = 96;           // the most memory of one value, besides its text
+inline constexpr int kMostDepth = 64;                // levels of JSON in JSON
 
 // Refuses JSON that is too deep, or would take too much memory, before it takes any.
 Json parsed(std::string_view text);

@@ -18,7 +18,7 @@ glm::vec4 factorOf(const Json& of, const char* key, const char* where, size_t in
 } // namespace
 
 bool Material::hides(float of) const {
-    constexpr float kLeast = 0.5f / 255; // what 8 bits show
+    constexpr float kLeast = 0.5f / 255; // the least alpha that 8 bits show
     return (alpha == Alpha::mask && of < cutoff) || (alpha == Alpha::blend && of < kLeast);
 }
 

@@ -13,7 +13,7 @@ namespace brume::gltf {
 struct Material {
     enum class Alpha { opaque, mask, blend };
 
-    glm::vec4 factor{1}; // of the base colour: linear, alpha last
+    glm::vec4 factor{1}; // base colour: linear, alpha last
     Texture texture;     // of the base colour
     Alpha alpha = Alpha::opaque;
     float cutoff = 0.5f; // of a mask: below it nothing is visible

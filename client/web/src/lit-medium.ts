@@ -101,8 +101,8 @@ export class LitMedium {
   }
 
   // Draws what is taken as `view` sees it. `linear`: into two targets, light and transmittance of the medium alone.
-  // `scene`: a picture of `to`'s size that is behind and within the medium, in place of the server's sky and objects. It
-  // has linear light, and as alpha the distance from the eye along the ray, m. Only the medium before that is drawn.
+  // `scene`: a picture of `to`'s size that is behind and within the medium, in place of the server's sky and objects.
+  // It has linear light, and as alpha the distance from the eye along the ray, m. Only the medium before that is drawn.
   draw(view: View, to: Area, linear = false, scene?: WebGLTexture): void {
     const { gl, moment, extent } = this;
     if (!moment || !extent) return;

@@ -1,5 +1,5 @@
-// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY file; and what is shown now as
-// a file. Over HTTP, with the token of the page.
+// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY file; and what is shown now
+// as a file. Over HTTP, with the token of the page.
 import type { Camera } from './camera';
 import { placeText } from './place';
 

@@ -35,7 +35,7 @@ flat out vec4 body;     // centre, m from the eye; k, 1/m
 flat out vec4 matter;   // optical depth of the line through the centre; albedo
 
 const float LEAST = 1e-4;  // optical depth that cannot be seen
-const float PART = 2e-3;   // of the optical depth through its centre: rays on which a particle has less are left out
+const float PART = 2e-3;   // part of a particle's greatest optical depth: rays with less of it are left out
 
 // Least and greatest tangent of the lines to a circle of radius r at depth z > r.
 vec2 sides(float x, float z, float r) {
