@@ -1,6 +1,7 @@
 // Every closed form once, so that the build proves that the shared headers are GLSL as well as C++.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/ellipsoid.h"
 #include "shaders/shared/fog.h"
 #include "shaders/shared/glass.h"
 #include "shaders/shared/ground.h"
