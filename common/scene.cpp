@@ -117,8 +117,8 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     out.scale_by_spacing = from_file && !in.has("scale");
     out.extinction_by_depth = from_file && !in.has("extinction");
     const std::string name = out.file.filename().string();
-    if (out.model == kTetrahedraMedium && out.layout != Layout::file)
-        in.fail("model", "\"tetrahedra\" come from a file", "only with layout = \"file\"");
+    if ((out.model == kTetrahedraMedium || out.model == kEllipsoidMedium) && out.layout != Layout::file)
+        in.fail("model", "\"" + out.model + "\" come from a file", "only with layout = \"file\"");
     if (from_file && out.file.empty())
         in.fail("layout", sequence ? "\"sequence\" without files" : "\"file\" without a file",
                 sequence ? "with the key file, like \"smoke-####.ply\", beside the scene"
@@ -182,7 +182,7 @@ glm::dvec3 originOf(const TableReader& in, const Medium& medium) {
 
 // Refuses what is drawn beside a sum of Gaussians only.
 void refuseBesides(const TableReader& in, const Scene& scene) {
-    if (scene.medium.model == kSumMedium) return;
+    if (isSum(scene.medium)) return;
     const auto fail = [&](const char* key, const std::string& what) {
         in.fail(key, what + " drawn with medium.model = \"" + scene.medium.model + "\"",
                 "only with medium.model = \"sum\"");

@@ -46,11 +46,13 @@ struct PhaseSettings {
     float droplet = 20;         // micrometres, diameter, 5 ... 50; droplets
 };
 
-inline constexpr const char *kSumMedium = "sum", *kUnionMedium = "union", *kTetrahedraMedium = "tetrahedra";
+inline constexpr const char *kSumMedium = "sum", *kEllipsoidMedium = "ellipsoids", *kUnionMedium = "union",
+                            *kTetrahedraMedium = "tetrahedra";
 
 struct Medium : PhaseSettings {
     Layout layout = Layout::cube;
-    // sum: particles are Gaussians, and their extinctions add up. union: they are balls, and the extinction is the same
+    // sum: particles are Gaussians, and their extinctions add up. ellipsoids: so they are, with three axes each, which
+    // come with the points of a file. union: they are balls, and the extinction is the same
     // wherever at least one of them is (Mattsson 2022). tetrahedra: they are the corners of the file's tetrahedra, and
     // the extinction is linear within each.
     std::string model = kSumMedium;
@@ -209,6 +211,9 @@ struct SceneCamera {
     glm::vec3 position{0, 2, 26}, target{0};
     float fov_y = 0.8f;
 };
+
+// True: particles are Gaussians, balls or not, whose extinctions add up.
+inline bool isSum(const Medium& medium) { return medium.model == kSumMedium || medium.model == kEllipsoidMedium; }
 
 struct Tetrahedra; // common/tetrahedra.h
 

@@ -14,7 +14,7 @@ using namespace setting_rows;
 
 constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
                                       "file", "sequence", "live",    "none"}; // in the order of Layout
-constexpr std::string_view kModels[]{kSumMedium, kUnionMedium, kTetrahedraMedium};
+constexpr std::string_view kModels[]{kSumMedium, kEllipsoidMedium, kUnionMedium, kTetrahedraMedium};
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
 constexpr std::string_view kUps[]{"y", "z", "x", "-y"}, kFarPoints[]{"keep", "drop"};
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
@@ -59,8 +59,9 @@ constexpr SceneSetting kBeforeMethods[]{
     {"medium.layout", at<&P::medium, &Medium::layout>, "", kNone, "How the particles are laid out", kNobody,
      Form::plain, kLayouts},
     {"medium.model", at<&P::medium, &Medium::model>, "", kNone,
-     "What particles are: Gaussians whose extinctions add up (`sum`), balls, with the same extinction wherever at "
-     "least one of them is (`union`), or corners of the file's `tetrahedra`, with linear extinction within each",
+     "What particles are: Gaussians whose extinctions add up (`sum`), such Gaussians with three axes, which come with "
+     "the file's points (`ellipsoids`), balls, with the same extinction wherever at least one of them is (`union`), "
+     "or corners of the file's `tetrahedra`, with linear extinction within each",
      kNobody, Form::plain, kModels},
     usually({0.02, 0.5}, {"medium.union_radius", at<&P::medium, &Medium::union_radius>, "", limits::kUnionRadius,
                           "Radius of a ball in relation to its particle's scale", kControllers}),

@@ -120,8 +120,11 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     const UploadedClouds clouds(options_.cloud_dir);
     UploadedClouds::Incoming incoming = clouds.take(wish.name, wish.points);
     const std::string file = wish.name + ".ply";
-    const char* const model = holdsTetrahedra(wish.points, file) ? kTetrahedraMedium : kSumMedium;
-    UploadFrame frame(extentOf(wish.points, file, wish.options.up), wish.options);
+    const PlyContents contents = contentsOf(wish.points, file);
+    const PlyExtent extent = extentOf(wish.points, file, wish.options.up);
+    const bool ellipsoids = contents.axes && double(extent.count) <= limits::kCount.hi; // more are merged to balls
+    const char* const model = contents.tetrahedra ? kTetrahedraMedium : ellipsoids ? kEllipsoidMedium : kSumMedium;
+    UploadFrame frame(extent, wish.options);
     Scene scene = sceneOf(fmt::format("origin = [{:.1f}, {:.1f}, {:.1f}]\n[medium]\nmodel = \"{}\"\nlayout = \"file\"\n"
                                       "file = \"{}\"\nunit = {}\nup = \"{}\"\nfar_points = \"{}\"\n",
                                       frame.origin.x, frame.origin.y, frame.origin.z, model, file, frame.unit,
@@ -130,7 +133,7 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     placeCamera(scene);
     // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
     scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
-    if (holdsSplats(wish.points, file)) { // whose colours hold their light
+    if (contents.splats) { // whose colours hold their light
         scene.lights.clear();
         scene.sky.ambient = glm::vec3(1);
         scene.render.tone_map = "linear";

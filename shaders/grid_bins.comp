@@ -9,9 +9,11 @@
 
 layout(local_size_x = 32) in;
 
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
 layout(scalar) writeonly buffer Members { SlabMember members[]; };
+layout(scalar) writeonly buffer Skews { Skew skews[]; }; // as members; of ellipsoids
 // [columns, rows, sheets][32 particles], then pages; then the same of coarse bricks. All 0 before.
 layout(scalar) buffer Bins { uint bins[]; };
 layout(scalar) buffer Marks { uint marks[]; };         // lib/grid_marks.glsl; all 0 before
@@ -46,7 +48,9 @@ void main() {
         const Particle p = particles[i];
         const float u = p.scale * tick.falloff, own = max(0.1 * u / medium.spacing, 1e-12);
         const vec3 at = (p.centre - medium.origin) / medium.spacing; // in nodes
-        const bool is_coarse = own >= medium.least_coarse;
+        vec3 owns = vec3(own); // of each axis
+        if (kEllipsoids) owns *= vec3(length(axes[i].a), length(axes[i].b), length(axes[i].c));
+        const bool is_coarse = min(owns.x, min(owns.y, owns.z)) >= medium.least_coarse;
         const float held = is_coarse ? 0.5 * sqrt(own * own - medium.variance - kCoarseVariance)
                                      : sqrt(max(own * own - medium.variance, kLeastVariance));
         const float own_nodes = is_coarse ? 0.5 * own : own; // the deviation, in its nodes' spacings
@@ -56,11 +60,28 @@ void main() {
         m.sigma = p.sigma_t * (own_nodes / held) * (own_nodes / held) * (own_nodes / held);
         m.albedo = p.albedo;
         m.reach = 0; // not read
+        vec3 deviations = vec3(held); // along x, y and z
+        if (kEllipsoids) {
+            const float nodes = is_coarse ? 0.5 : 1;
+            const vec3 squares = is_coarse ? owns * owns - medium.variance - kCoarseVariance
+                                           : max(owns * owns - medium.variance, vec3(kLeastVariance));
+            // The axes with the deviations that nodes hold; slicedGaussian() wants them over the longest.
+            const vec3 holds = nodes * sqrt(squares);
+            const float longest = max(holds.x, max(holds.y, holds.z));
+            const vec3 parts = holds / (longest * owns / own);
+            const SlicedGaussian cut =
+                slicedGaussian(longest, parts.x * axes[i].a, parts.y * axes[i].b, parts.z * axes[i].c);
+            const float unit = 0.5 * kLog2e / acrossDeterminant(cut);
+            m.along = 0.5 * kLog2e / cut.along;
+            m.sigma = p.sigma_t * (nodes * owns.x / holds.x) * (nodes * owns.y / holds.y) * (nodes * owns.z / holds.z);
+            skews[i] = Skew(unit * cut.yy, -unit * cut.xy, unit * cut.xx, vec2(cut.tilt_x, cut.tilt_y));
+            deviations = sqrt(vec3(cut.xx, cut.yy, varianceAlong(cut)));
+        }
         members[i] = m;
         const float support = supportRadius(p.sigma_t, u, tick.cut) / medium.spacing, // spacings
                     radius = support * max(held / own_nodes, 1);                      // of what is sampled
         if (radius > 0) {
-            const float own_radius = support * held / own; // of what its nodes hold, in their spacings
+            const vec3 own_radius = support / own * deviations; // of what its nodes hold, in their spacings
             const vec3 first = (m.centre - own_radius) / float(kSlabTile) - 1e-3,
                        last = (m.centre + own_radius) / float(kSlabTile) + 1e-3;
             for (uint axis = 0; axis < 3; ++axis) {

@@ -19,7 +19,10 @@ layout(constant_id = kIdCoarse) const bool kCoarse = false;
 layout(constant_id = kIdHasCoarse) const bool kHasCoarse = true;
 
 #include "shaders/blocks/tick.glsl"
+layout(constant_id = kIdEllipsoids) const bool kEllipsoids = false;
+
 layout(scalar) readonly buffer Members { SlabMember members[]; };
+layout(scalar) readonly buffer Skews { Skew skews[]; }; // as members; of ellipsoids
 // [quantity][plane][row][node / 4]: quantities of the medium (shared/field.h), 1/m
 layout(scalar) writeonly buffer Nodes { vec4 nodes[]; };
 layout(scalar) readonly buffer Bins { uint bins[]; };   // written by grid_bins.comp
@@ -30,6 +33,7 @@ layout(push_constant, scalar) uniform Push { MediumGrid medium; } push;
 
 #include "shaders/lib/tile_members.glsl"
 #include "shaders/lib/tile_points.glsl"
+#include "shaders/lib/skewed_points.glsl"
 #include "shaders/lib/grid_marks.glsl"
 #include "shaders/lib/spline.glsl"
 #include "shaders/lib/spread.glsl"
@@ -111,9 +115,14 @@ void main() {
         meetLanes();
         uint at = 0;
         do {
-            Held mine = kNoMember;
-            if (at + lane < count) mine = heldMember(members[listed[at + lane]], quantity);
-            addMembers(sum, mine, min(kLanes, count - at), vec3(first), 1);
+            HeldSkewed mine = kNoneSkewed;
+            if (at + lane < count) {
+                mine.member = heldMember(members[listed[at + lane]], quantity);
+                if (kEllipsoids) mine.skew = skews[listed[at + lane]];
+            }
+            const uint together = min(kLanes, count - at);
+            if (kEllipsoids) addAllSkewed(sum, mine, together, vec3(first), 1);
+            else addMembers(sum, mine.member, together, vec3(first), 1);
             at += kLanes;
         } while (at < count);
         meetLanes();

@@ -6,6 +6,7 @@
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/eye.glsl"
 #include "shaders/blocks/tick.glsl"
 
@@ -13,7 +14,7 @@ layout(location = 0) flat in vec4 centre_scale;
 layout(location = 1) flat in vec4 albedo_sigma;
 // Linear in the picture, since w is 1 at every vertex. (Mesa 25 clips noperspective inputs wrong.)
 layout(location = 2) in vec2 inverse_depth;
-layout(location = 3) flat in uint clipped;
+layout(location = 3) flat in uint particle_clipped; // the lowest bit: IntervalProxy::clipped
 
 layout(location = 0) out vec4 radiance_transmittance;
 
@@ -44,13 +45,23 @@ vec2 intervalFromPlanes(vec3 w, vec3 centre, float scale) {
 void drawParticle() {
     const vec3 centre = centre_scale.xyz;
     const float scale = centre_scale.w;
-    const RayParticle ray = rayParticle(centre);
+    RayParticle ray = rayParticle(centre);
     const float per_depth = ray.begin / eye.near_depth;
-    vec2 interval = clipped != 0 ? intervalFromPlanes(ray.w, centre, scale) : per_depth / inverse_depth;
+    float k = gaussianK(scale, tick.falloff);
+    vec3 from_planes = centre, way = ray.w; // in units of the semi-axes
+    if (kEllipsoids) {
+        const EllipsoidAxes own = axes[particle_clipped >> 1];
+        const BallOnLine ball = ballOnLine(centre, ray.w, k, own.a, own.b, own.c);
+        k = ball.k, ray.closest = ball.closest, ray.b2 = ball.b2;
+        from_planes = inSemiAxes(centre, own.a, own.b, own.c);
+        way = inSemiAxes(ray.w, own.a, own.b, own.c);
+    }
+    const bool clipped = (particle_clipped & 1) != 0;
+    vec2 interval = clipped ? intervalFromPlanes(way, from_planes, scale) : per_depth / inverse_depth;
     interval = vec2(max(interval.x, ray.begin), min(interval.y, ray.end));
     if (!(interval.y > interval.x)) discard;
 
-    const float k = gaussianK(scale, tick.falloff), length = interval.y - interval.x;
+    const float length = interval.y - interval.x;
     const GaussianSegment segment =
         gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * length);
     const float depth = kFading ? segment.depth : albedo_sigma.w * length;

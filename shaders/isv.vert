@@ -5,6 +5,7 @@
 // the fan.
 #include "shaders/shared/types.h"
 
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/eye.glsl"
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
@@ -15,17 +16,20 @@ layout(scalar) readonly buffer Order { uint order[]; };
 layout(location = 0) flat out vec4 centre_scale;
 layout(location = 1) flat out vec4 albedo_sigma;
 layout(location = 2) out vec2 inverse_depth;
-layout(location = 3) flat out uint clipped;
+layout(location = 3) flat out uint particle_clipped; // the lowest bit: IntervalProxy::clipped
 
 void main() {
-    const Particle p = particles[order[gl_InstanceIndex]];
+    const uint particle = order[gl_InstanceIndex];
+    const Particle p = particles[particle];
     const vec3 c = p.centre - eye.position;
-    const IntervalProxy proxy = intervalProxy(c, p.scale);
+    IntervalProxy proxy;
+    if (kEllipsoids) proxy = intervalProxy(c, p.scale, mat3(axes[particle].a, axes[particle].b, axes[particle].c));
+    else proxy = intervalProxy(c, p.scale, mat3(1));
     const uint triangle = gl_VertexIndex / 3;
     const uint i = triangle < proxy.ring ? fanVertex(triangle, gl_VertexIndex % 3, proxy.ring) : 0;
     gl_Position = vec4(proxy.ndc[i], 0, 1);
     centre_scale = vec4(c, p.scale);
     albedo_sigma = vec4(p.albedo, tick.extinction * p.sigma_t);
     inverse_depth = proxy.inverse_depth[i];
-    clipped = uint(proxy.clipped);
+    particle_clipped = particle << 1 | uint(proxy.clipped);
 }

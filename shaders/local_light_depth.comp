@@ -16,6 +16,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "shaders/blocks/local_lights.glsl"
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
 layout(scalar) writeonly buffer LightDepths { float light_depths[]; }; // of each volume [y][x][shell]
@@ -27,6 +28,10 @@ const float kEnd = 3.5; // of a Gaussian, in units of 1 / k: 4e-7 of its depth l
 // Between two distances, in the same units: up to that the Gaussian is summed by steps (erfSteps()). They err by a
 // thirtieth of what looking up between the distances does.
 const float kMostStep = 1;
+
+vec3 ofLane(vec3 v, uint lane) {
+    return vec3(subgroupShuffle(v.x, lane), subgroupShuffle(v.y, lane), subgroupShuffle(v.z, lane));
+}
 
 void main() {
     const uvec3 group = spreadGroup();
@@ -50,11 +55,13 @@ void main() {
         bool met = false;
         vec3 own_to = vec3(0);
         float own_k = 1, own_line = 0;
+        EllipsoidAxes own_axes = EllipsoidAxes(vec3(0), vec3(0), vec3(0));
         if (gl_SubgroupInvocationID < lanes && round + gl_SubgroupInvocationID < tick.particle_count) {
             const Particle p = particles[round + gl_SubgroupInvocationID];
             own_to = p.centre - light.position;
             own_k = gaussianK(p.scale, tick.falloff);
             own_line = p.sigma_t;
+            if (kEllipsoids) own_axes = axes[round + gl_SubgroupInvocationID];
             const float radius = supportRadius(p.sigma_t, p.scale * tick.falloff, tick.cut);
             const float along = dot(own_to, middle), across = sqrt(max(dot(own_to, own_to) - along * along, 0));
             const bool around = dot(own_to, own_to) <= radius * radius;
@@ -66,10 +73,17 @@ void main() {
                 bits &= bits - 1;
                 const vec3 to = vec3(subgroupShuffle(own_to.x, j), subgroupShuffle(own_to.y, j),
                                      subgroupShuffle(own_to.z, j));
-                const float k = subgroupShuffle(own_k, j), sigma_t = subgroupShuffle(own_line, j);
-                const float middle_at = dot(to, w);
+                float k = subgroupShuffle(own_k, j);
+                const float sigma_t = subgroupShuffle(own_line, j);
+                float middle_at = dot(to, w);
                 const vec3 off = to - middle_at * w;
-                const float half_line = 0.5 * lineDepth(sigma_t, k, gaussianAcross(k, dot(off, off)));
+                float b2 = dot(off, off);
+                if (kEllipsoids) {
+                    const BallOnLine ball =
+                        ballOnLine(to, w, k, ofLane(own_axes.a, j), ofLane(own_axes.b, j), ofLane(own_axes.c, j));
+                    k = ball.k, middle_at = ball.closest, b2 = ball.b2;
+                }
+                const float half_line = 0.5 * lineDepth(sigma_t, k, gaussianAcross(k, b2));
                 if (half_line >= 0.1 * tick.cut && middle_at * k >= -kEnd) {
                     // The first distance stands for the light itself: nothing lies between.
                     const vec2 ends = (middle_at + vec2(-kEnd, kEnd) / k - light.volume_near) / light.volume_step;

@@ -15,6 +15,7 @@
 
 layout(local_size_x = 64) in;
 
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/objects.glsl"
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
@@ -80,13 +81,15 @@ void main() {
 
     const float reach = 0.173205081 * u; // k reach = sqrt(3/2)
     const float centre = exp(-lightDepth(toShadowVolume(p.centre)));
-    vec3 gradient, bend; // bend: mean of two opposite points minus the centre
+    vec3 gradient = vec3(0), bend; // bend: mean of two opposite points minus the centre
+    mat3 own = mat3(1); // semi-axes
+    if (kEllipsoids) own = mat3(axes[i].a, axes[i].b, axes[i].c);
     for (int j = 0; j < 3; ++j) {
-        vec3 step = vec3(0);
-        step[j] = reach;
+        const vec3 step = reach * own[j];
         const float above = exp(-lightDepth(toShadowVolume(p.centre + step)));
         const float below = exp(-lightDepth(toShadowVolume(p.centre - step)));
-        gradient[j] = (above - below) / (2 * reach);
+        if (kEllipsoids) gradient += (above - below) / (2 * dot(step, step)) * step;
+        else gradient[j] = (above - below) / (2 * reach);
         bend[j] = 0.5 * (above + below) - centre;
     }
     const float mean_bend = (bend.x + bend.y + bend.z) / 3;

@@ -14,7 +14,10 @@
 layout(local_size_x_id = kIdLanes) in;
 
 #include "shaders/blocks/tick.glsl"
+layout(constant_id = kIdEllipsoids) const bool kEllipsoids = false;
+
 layout(scalar) readonly buffer LightParticles { LightParticle light_particles[]; };
+layout(scalar) readonly buffer LightSkews { Skew light_skews[]; }; // of ellipsoids
 layout(scalar) readonly buffer Bins { uint bins[]; };  // written by shadow_particles.comp
 layout(scalar) buffer Texels { vec4 texels[]; };       // [layer][row of the band][column]
 
@@ -29,6 +32,12 @@ layout(push_constant, scalar) uniform Push {
 uint reachOf(uint particle) { return light_particles[particle].reach; }
 
 #include "shaders/lib/tile_lists.glsl"
+
+const float kLeastPart = 1e-7; // of an ellipsoid's largest depth, below which a texel gets none
+// Between two planes, in units of 1 / k: up to that an ellipsoid is summed by steps (erfSteps()). They err by a
+// thirtieth of what interpolating between the planes does.
+const float kMostStep = 1;
+const float kFarthest = 40; // of the first step's middle: beyond 11 all steps of a group are 0
 
 float of(uint lane, float value) { return subgroupShuffle(value, lane); }
 
@@ -59,6 +68,40 @@ void addParticles(inout float added[kRows][kGroup], LightParticle p, uvec2 first
             for (uint l = 1; l < kLanes; ++l) sum += across[l][g] * rows[l][r];
             added[r][g] += sum;
         }
+}
+
+// The same of ellipsoids, of the first `count` lanes: each texel has factors of its own.
+void addEllipsoids(inout float added[kRows][kGroup], LightParticle p, Skew skew, uint count, vec2 first, uint group) {
+    uint l = 0;
+    do {
+        const float x = float(first.x + gl_SubgroupInvocationID) - of(l, p.at.x), y0 = first.y - of(l, p.at.y);
+        const float xx = of(l, skew.xx), xy = of(l, skew.xy), yy = of(l, skew.yy), half_line = of(l, p.at.w);
+        const float k = of(l, p.k.z), tilt = of(l, skew.tilt.y);
+        const float above = of(l, p.at.z) + of(l, skew.tilt.x) * x - float(group * kGroup);
+        for (uint r = 0; r < kRows; ++r) {
+            const float y = y0 + float(r);
+            const float part = half_line * exp(-(xx * x * x + 2 * xy * x * y + yy * y * y));
+            if (part > kLeastPart * half_line) {
+                const float middle = above + tilt * y; // plane of the group where half of it is passed
+                if (k <= kMostStep) {
+                    if (group == 0) added[r][0] += part * erfc(k * middle);
+                    ErfSteps steps = erfSteps(clamp(k * (0.5 - middle), -kFarthest, kFarthest), k);
+                    for (uint g = 0; g < kGroup; ++g) {
+                        added[r][g] += part * steps.value;
+                        steps.value *= steps.ratio;
+                        steps.ratio *= steps.change;
+                    }
+                } else {
+                    float before = group == 0 ? 0 : erfc(k * middle);
+                    for (uint g = 0; g < kGroup; ++g) {
+                        const float here = erfc(k * (middle - float(g + 1)));
+                        added[r][g] += part * (here - before);
+                        before = here;
+                    }
+                }
+            }
+        }
+    } while (++l < min(count, kLanes));
 }
 
 void main() {
@@ -95,9 +138,11 @@ void main() {
                 meetLanes();
                 uint next = 0;
                 do {
-                    LightParticle mine = light_particles[chosen[min(next + lane, some - 1)]];
+                    const uint member = chosen[min(next + lane, some - 1)];
+                    LightParticle mine = light_particles[member];
                     if (next + lane >= some) mine.at.w = 0;
-                    addParticles(added, mine, first, group);
+                    if (kEllipsoids) addEllipsoids(added, mine, light_skews[member], some - next, first, group);
+                    else addParticles(added, mine, first, group);
                     next += kLanes;
                 } while (next < some);
                 meetLanes(); // the list is free again

@@ -11,9 +11,11 @@
 
 layout(local_size_x = 32) in;
 
+#include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/particles.glsl"
 #include "shaders/blocks/tick.glsl"
 layout(scalar) writeonly buffer Members { SlabMember members[]; };
+layout(scalar) writeonly buffer Skews { Skew skews[]; }; // as members; of ellipsoids
 // [columns, rows][32 particles], then pages; all 0 before.
 layout(scalar) buffer Bins { uint bins[]; };
 
@@ -30,6 +32,9 @@ const float kMostFade = 20;
 #include "shaders/lib/frustum.glsl"
 #include "shaders/lib/line_bins_write.glsl"
 
+// A direction as the members' coordinates have it: right, down, away from the eye.
+vec3 inView(vec3 v) { return vec3(dot(eye.right, v), -dot(eye.up, v), -dot(eye.back, v)); }
+
 void main() {
     enterView(gl_WorkGroupID.z);
     const uint i = gl_WorkGroupID.x * 32 + laneOfWord();
@@ -41,7 +46,7 @@ void main() {
         const float u = p.scale * tick.falloff, own = max(0.1 * u, 1e-18);
         const vec3 c = p.centre - eye.position;
         SlabMember m;
-        m.centre = vec3(dot(eye.right, c), -dot(eye.up, c), -dot(eye.back, c));
+        m.centre = inView(c);
         const float least = grid.rate > 1 ? kLeastAcross * float(grid.rate) * pixel * m.centre.z : 0;
         const float across = max(own, least), along = max(own, kLeastAlong * slabThickness());
         m.across = 0.5 * kLog2e / (across * across);
@@ -51,7 +56,26 @@ void main() {
         m.albedo = p.albedo;
         m.reach = 1;
         const float radius = supportRadius(p.sigma_t, u, tick.cut);
-        const float wide = radius * across / own, deep = radius * along / own;
+        vec2 wide = vec2(radius * across / own);
+        float deep = radius * along / own, curvature = m.across;
+        if (kEllipsoids) {
+            const float thick = kLeastAlong * slabThickness();
+            SlicedGaussian cut = slicedGaussian(own, inView(axes[i].a), inView(axes[i].b), inView(axes[i].c));
+            m.sigma = p.sigma_t * sqrt(acrossDeterminant(cut) * cut.along);
+            cut = widenedAcross(cut, least * least);
+            const float narrow = sqrt(cut.along), widened = max(narrow, thick);
+            if (widened > narrow)
+                m.sigma *= widenedShare(narrow, widened, grid.depth - m.centre.z, farDepth() - m.centre.z);
+            cut.along = widened * widened;
+            const float determinant = acrossDeterminant(cut), unit = 0.5 * kLog2e / determinant;
+            m.sigma *= inversesqrt(determinant * cut.along);
+            m.along = 0.5 * kLog2e / cut.along;
+            skews[views[gl_WorkGroupID.z].members + i] =
+                Skew(unit * cut.yy, -unit * cut.xy, unit * cut.xx, vec2(cut.tilt_x, cut.tilt_y));
+            wide = radius / own * sqrt(vec2(cut.xx, cut.yy));
+            deep = radius / own * sqrt(varianceAlong(cut));
+            curvature = unit * cut.yy + m.along * cut.tilt_x * cut.tilt_x;
+        }
         const float end = farDepth();
         const float near = max(m.centre.z - deep, grid.depth), far = min(m.centre.z + deep, end);
         if (radius > 0 && far > near) {
@@ -64,11 +88,12 @@ void main() {
             reach[0] = span(first.x, last.x, grid.lines.x);
             reach[1] = span(first.y, last.y, grid.lines.y);
             const ivec2 sheets = span(sheetAt(near), sheetAt(far), grid.lines.z);
-            const float reached = clamp(m.centre.z + sqrt(kMostFade / m.along), 0, middleDepth(grid.slabs - 1));
+            const float fades = kEllipsoids ? deep : sqrt(kMostFade / m.along);
+            const float reached = clamp(m.centre.z + fades, 0, middleDepth(grid.slabs - 1));
             const float half_tile = reached * 0.5 * tile;
             if (sheets.x <= sheets.y)
                 m.reach = uint(sheets.x) | uint(sheets.y) << 16 |
-                          (m.across * half_tile * half_tile > kMostSpread ? kSmallMember : 0);
+                          (curvature * half_tile * half_tile > kMostSpread ? kSmallMember : 0);
         }
         members[views[gl_WorkGroupID.z].members + i] = m;
     }

@@ -19,7 +19,10 @@ layout(constant_id = kIdAmbientColours) const uint kAmbientColours = 0;
 layout(constant_id = kIdMultipleColours) const uint kMultipleColours = 0;
 
 #include "shaders/blocks/tick.glsl"
+layout(constant_id = kIdEllipsoids) const bool kEllipsoids = false;
+
 layout(scalar) readonly buffer Members { SlabMember members[]; };
+layout(scalar) readonly buffer Skews { Skew skews[]; }; // as members; of ellipsoids
 // [quantity][tile][slab][ray / 4]: quantities of the medium (shared/field.h), 1/m. Of a sheet that is hidden or has no
 // members the first number is negative, and no other is written.
 layout(scalar) buffer Added { vec4 added[]; };
@@ -40,6 +43,7 @@ uint reachOf(uint particle) { return members[first_member + particle].reach; }
 
 #include "shaders/lib/tile_lists.glsl"
 #include "shaders/lib/tile_points.glsl"
+#include "shaders/lib/skewed_points.glsl"
 #include "shaders/lib/field_planes.glsl"
 
 // Number of the workgroup's sheets that some ray of the tile reads. The others begin behind the last face that pixels
@@ -102,10 +106,14 @@ void main() {
                 meetLanes();
                 uint next = 0;
                 if (some > 0) do {
-                        Held mine = kNoMember;
-                        if (next + lane < some)
-                            mine = heldMember(members[first_member + chosen[next + lane]], quantity);
-                        addMembers(sum, mine, min(kLanes, some - next), at, spacing);
+                        HeldSkewed mine = kNoneSkewed;
+                        if (next + lane < some) {
+                            mine.member = heldMember(members[first_member + chosen[next + lane]], quantity);
+                            if (kEllipsoids) mine.skew = skews[first_member + chosen[next + lane]];
+                        }
+                        const uint count = min(kLanes, some - next);
+                        if (kEllipsoids) addAllSkewed(sum, mine, count, at, spacing);
+                        else addMembers(sum, mine.member, count, at, spacing);
                         next += kLanes;
                     } while (next < some);
                 if (list.small) {
@@ -114,7 +122,10 @@ void main() {
                     meetLanes();
                     next = 0;
                     if (small > 0) do {
-                            addSmall(sum, heldMember(members[first_member + chosen[next]], quantity), at, spacing);
+                            const uint member = first_member + chosen[next];
+                            const Held held = heldMember(members[member], quantity);
+                            if (kEllipsoids) addSmallSkewed(sum, HeldSkewed(held, skews[member]), at, spacing);
+                            else addSmall(sum, held, at, spacing);
                         } while (++next < small);
                 }
                 [[unroll]] for (uint r = 0; r < kPoints; r += 4) added[out_at + r / 4] =

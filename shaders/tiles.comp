@@ -22,6 +22,7 @@ layout(rgba32f) uniform image2D radiance;
 layout(scalar) readonly buffer Arguments { DrawArguments arguments; };
 layout(scalar) readonly buffer Cones { SplatCone cones[]; };
 layout(scalar) readonly buffer Splats { Splat splats[]; };
+layout(scalar) readonly buffer Ways { SplatWay ways[]; }; // of ellipsoids
 layout(scalar) readonly buffer Masks { uint masks[]; }; // [word][block]
 
 layout(push_constant, scalar) uniform Push { SplatGrid grid; } push;
@@ -34,6 +35,7 @@ layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
 layout(constant_id = kIdOneAlbedo) const bool kOneAlbedo = false;
 layout(constant_id = kIdCached) const bool kCached = true;
+layout(constant_id = kIdEllipsoids) const bool kEllipsoids = false;
 layout(constant_id = kIdPixelsPerLane) const uint kPixels = 16;
 
 #include "shaders/lib/medium_phase.glsl"
@@ -130,9 +132,11 @@ void main() {
             meets = dot(apart, apart) <= reach * reach;
         }
         Splat mine;
+        SplatWay way = SplatWay(vec3(0), vec3(0), vec3(0));
         uint kind = 0;
         if (meets) {
             mine = splats[candidate];
+            if (kEllipsoids) way = ways[candidate];
             if (kMayBeCut) {
                 // Cut by the near plane, or partly behind the eye.
                 if (mine.nearest < last_begin || mine.chord + 2 * cone.chord > 1.4) kind |= kCutNear;
@@ -153,6 +157,12 @@ void main() {
                 s.y2 = y * y;
                 s.along = onRun(ITS(along.x), ITS(along.y), ITS(along.z));
                 s.log_line = ITS(log_line);
+                if (kEllipsoids) {
+                    #define ITS_WAY(axis)                                                                              \
+                        onRun(subgroupShuffle(way.axis.x, from), subgroupShuffle(way.axis.y, from),                    \
+                              subgroupShuffle(way.axis.z, from))
+                    s.way = vec2[](ITS_WAY(a), ITS_WAY(b), ITS_WAY(c));
+                }
                 s.k = ITS(k);
                 s.albedo = kOneAlbedo ? vec3(1) : vec3(ITS(albedo.x), ITS(albedo.y), ITS(albedo.z));
                 s.light = kCached ? ITS(light) : 0;

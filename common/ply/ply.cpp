@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/plain_file.h"
+#include "common/ply/axes.h"
 #include "common/ply/cells.h"
 #include "common/ply/extent.h"
 #include "common/ply/points.h"
@@ -93,16 +94,35 @@ void addPoints(Reader& in, Points&& points, const PlyFrame& frame, PlyWanted wan
     const auto add = [&](std::vector<float>& to, Slot slot, const Point& point) {
         if (points.has(slot)) to.push_back(static_cast<float>(point[slot]));
     };
+    const auto drop = [&](size_t i, const std::string& problem) {
+        const std::string why = fmt::format("{}: {}", in.rowName(points.rows[i]), problem);
+        if (wanted.tetrahedra) in.fail("a corner of tetrahedra cannot be left out: " + why);
+        if (out.dropped++ == 0) out.first_dropped = why;
+    };
+    if (wanted.axes)
+        for (size_t slot = ply::kAxisAX; slot <= ply::kAxisCZ; ++slot)
+            if (!points.has(Slot(slot)) && points.count() > 0)
+                in.fail("medium.model = \"ellipsoids\", but element vertex lacks axes; expected axis_a_x, axis_a_y ... "
+                        "axis_c_z, or Gaussian splats");
     out.ignored = std::move(points.ignored);
     out.notes.insert(out.notes.end(), points.notes.begin(), points.notes.end());
     for (size_t i = 0; i < points.count(); ++i) {
         if (wanted.drop_far && ply::isFar(extent, ply::placeOf(points, i, frame.up))) continue;
-        const Point point = framing.at(i);
+        Point point = framing.at(i);
         if (const std::string problem = framing.problemOf(point); !problem.empty()) {
-            const std::string why = fmt::format("{}: {}", in.rowName(points.rows[i]), problem);
-            if (wanted.tetrahedra) in.fail("a corner of tetrahedra cannot be left out: " + why);
-            if (out.dropped++ == 0) out.first_dropped = why;
+            drop(i, problem);
             continue;
+        }
+        if (wanted.axes) {
+            ply::PointAxes axes = ply::axesOf(points, i, frame.up);
+            if (!axes.problem.empty()) {
+                drop(i, axes.problem);
+                continue;
+            }
+            for (const Slot size : {ply::kScale, ply::kRadius})
+                point[size] = limits::kScale.clamp(float(point[size] * axes.longest));
+            point[ply::kSigmaT] *= axes.volume;
+            out.axes.push_back(axes.axes);
         }
         out.position.emplace_back(point[ply::kX], point[ply::kY], point[ply::kZ]);
         add(out.scale, ply::kScale, point);
@@ -193,8 +213,8 @@ void tellOfOthers(const ply::Header& header, bool tetrahedra, std::vector<std::s
 }
 
 Points pointsOf(Reader& in, const Element& vertex, PlyWanted wanted) {
-    if (!wanted.tetrahedra && ply::holdsSplats(vertex)) return ply::readSplats(in, vertex);
-    return ply::readPoints(in, vertex, {wanted.ids, wanted.tetrahedra});
+    if (!wanted.tetrahedra && ply::holdsSplats(vertex)) return ply::readSplats(in, vertex, wanted.axes);
+    return ply::readPoints(in, vertex, {wanted.ids, wanted.tetrahedra, wanted.axes});
 }
 
 std::string readBytes(const std::filesystem::path& file) {
@@ -219,17 +239,15 @@ PointCloud loadPly(const std::filesystem::path& file, const PlyFrame& frame, Ply
     return parsePly(readBytes(file), file.string(), frame, wanted);
 }
 
-bool holdsSplats(std::string_view bytes, const std::string& name) {
-    Reader in(bytes, name);
-    const ply::Header header = readHeader(in);
-    return ply::holdsPackedSplats(header) || ply::holdsSplats(vertexOf(in, header));
-}
-
-bool holdsTetrahedra(std::string_view bytes, const std::string& name) {
+PlyContents contentsOf(std::string_view bytes, const std::string& name) {
     Reader in(bytes, name);
     const ply::Header header = readHeader(in);
     const Element* const tetrahedron = header.find("tetrahedron");
-    return tetrahedron && tetrahedron->count > 0;
+    const bool packed = ply::holdsPackedSplats(header);
+    const Element& vertex = vertexOf(in, header);
+    PlyContents out{.splats = packed || ply::holdsSplats(vertex), .tetrahedra = tetrahedron && tetrahedron->count > 0};
+    out.axes = packed || (out.splats ? vertex.has("scale_1") : vertex.has("axis_a_x") && vertex.has("axis_c_z"));
+    return out;
 }
 
 bool holdsPoints(const std::filesystem::path& file) {
@@ -285,7 +303,7 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
     PointCloud cloud;
     cloud.notes = header.unknown;
     if (ply::holdsPackedSplats(header)) {
-        addPoints(in, ply::readPackedSplats(in, header), frame, wanted, cloud);
+        addPoints(in, ply::readPackedSplats(in, header, wanted.axes), frame, wanted, cloud);
     } else {
         tellOfOthers(header, tetrahedron != nullptr, cloud.notes);
         Cells cells;

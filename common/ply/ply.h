@@ -9,6 +9,8 @@
 
 #include <glm/glm.hpp>
 
+#include "shaders/shared/types.h"
+
 namespace brume {
 
 struct Medium;
@@ -16,13 +18,15 @@ struct Medium;
 // The optional lists are empty, or as long as `position`. At most one of scale, radius and deviation is there, and at
 // most one of sigma_t and opacity.
 struct PointCloud {
-    std::vector<glm::vec3> position;    // m
-    std::vector<float> scale;           // m, centre to vertex of a particle's tetrahedron
-    std::vector<float> radius;          // m, of a ball that spreads as far as the particle
-    std::vector<float> deviation;       // m, the particle's standard deviation
-    std::vector<float> sigma_t;         // 1/m, extinction at a particle's centre
-    std::vector<float> opacity;         // 0 ... 1, part of the light that a particle stops on a ray through its centre
-    std::vector<glm::vec3> albedo;      // linear, in [0, 1]
+    std::vector<glm::vec3> position; // m
+    std::vector<float> scale;        // m, centre to vertex of a particle's tetrahedron
+    std::vector<float> radius;       // m, of a ball that spreads as far as the particle
+    std::vector<float> deviation;    // m, the particle's standard deviation
+    std::vector<float> sigma_t;      // 1/m, extinction at a particle's centre
+    std::vector<float> opacity;      // 0 ... 1, part of the light that a particle stops on a ray through its centre
+    std::vector<glm::vec3> albedo;   // linear, in [0, 1]
+    // Semi-axes over the size, which is that of the longest; empty unless loadPly() is asked for them.
+    std::vector<gpu::EllipsoidAxes> axes;
     std::vector<int64_t> id;            // each point's property `id`; empty unless loadPly() is asked for it
     std::vector<glm::uvec4> tetrahedra; // indices of points; empty unless loadPly() is asked for them
     std::vector<std::string> ignored;   // names of the points' properties that are not read
@@ -53,6 +57,7 @@ struct PlyWanted {
     // not read, and every point has to have a sigma_t, or every tetrahedron, and numbers within range. Points that no
     // tetrahedron has are left out, and the indices count the others.
     bool tetrahedra = false;
+    bool axes = false;         // True: the points' semi-axes, which every file then has to have
     bool may_be_empty = false; // True: a file without points is an empty cloud, not an error
     bool drop_far = false;     // True: points that PlyExtent counts as far are left out
     uint64_t most = 1'000'000; // points
@@ -61,7 +66,8 @@ struct PlyWanted {
 inline constexpr uint64_t kMostPlyPoints = 8'000'000; // that are read at all
 
 // Reads element `vertex` with x y z and, if present, scale or radius, sigma_t or opacity, and red green blue; or splats
-// of 3D Gaussian splatting, packed or not. Everything else is passed over. Colours and opacities are parts of 1, or
+// of 3D Gaussian splatting, packed or not. If asked, semi-axes axis_a_x ... axis_c_z, or the splats' own. Everything
+// else is passed over. Colours and opacities are parts of 1, or
 // whole numbers up to 255 or 65535 that stand for 1. Positions are read as doubles, and become floats in the frame.
 // Points that then lie beyond limits::kPlace are dropped. Throws SceneError for a file that cannot be read, is not
 // such a PLY, ends early, has no usable point, or lacks what is wanted of tetrahedra.
@@ -86,9 +92,13 @@ glm::dvec3 originFor(const PlyExtent& extent, double unit);
 
 // True: the file has rows of element `vertex`. Throws SceneError for a file that cannot be read, and for such a header.
 bool holdsPoints(const std::filesystem::path& file);
-// True: the file is of Gaussian splatting, packed or not. Throws SceneError for a header that parsePly() would refuse.
-bool holdsSplats(std::string_view bytes, const std::string& name);
-// True: the file has rows of element `tetrahedron`. Throws SceneError for a header that parsePly() would refuse.
-bool holdsTetrahedra(std::string_view bytes, const std::string& name);
+// What kinds of media a file can be shown as.
+struct PlyContents {
+    bool splats = false;     // True: its points are of Gaussian splatting, packed or not
+    bool axes = false;       // True: they have axes of their own
+    bool tetrahedra = false; // True: it has rows of element `tetrahedron`
+};
+// Throws SceneError for a header that parsePly() would refuse.
+PlyContents contentsOf(std::string_view bytes, const std::string& name);
 
 } // namespace brume

@@ -23,7 +23,16 @@ constexpr Source kSources[]{{kX, {"x"}},
                             {kRed, {"red", "diffuse_red", "r"}},
                             {kGreen, {"green", "diffuse_green", "g"}},
                             {kBlue, {"blue", "diffuse_blue", "b"}},
-                            {kId, {"id"}}};
+                            {kId, {"id"}},
+                            {kAxisAX, {"axis_a_x"}},
+                            {Slot(kAxisAX + 1), {"axis_a_y"}},
+                            {Slot(kAxisAX + 2), {"axis_a_z"}},
+                            {Slot(kAxisAX + 3), {"axis_b_x"}},
+                            {Slot(kAxisAX + 4), {"axis_b_y"}},
+                            {Slot(kAxisAX + 5), {"axis_b_z"}},
+                            {Slot(kAxisAX + 6), {"axis_c_x"}},
+                            {Slot(kAxisAX + 7), {"axis_c_y"}},
+                            {kAxisCZ, {"axis_c_z"}}};
 
 // Numbers that may stand for parts of 1 in some other range.
 struct Parts {
@@ -61,7 +70,7 @@ Places placesOf(Reader& in, const Element& vertex, PointsWanted wanted, std::vec
     Places places;
     places.fill(none);
     for (const Source& source : kSources) {
-        const bool unwanted = (source.slot == kId && !wanted.ids) ||
+        const bool unwanted = (source.slot == kId && !wanted.ids) || (source.slot >= kAxisAX && !wanted.axes) ||
                               (wanted.corners && (source.slot == kScale || source.slot == kRadius)) ||
                               (source.slot == kRadius && places[kScale] < none) ||
                               (source.slot == kOpacity && (wanted.corners || places[kSigmaT] < none));

@@ -25,6 +25,8 @@ enum Slot : size_t {
     kGreen,
     kBlue,
     kId,
+    kAxisAX, // three semi-axes, in the file's unit or over the size, each x, y, z
+    kAxisCZ = kAxisAX + 8,
     kSlots
 };
 
@@ -42,6 +44,7 @@ struct Points {
 struct PointsWanted {
     bool ids = false;     // True: property `id`, too, if it is of a whole-number type
     bool corners = false; // True: points are corners of tetrahedra, which have no sizes
+    bool axes = false;    // True: the points' semi-axes, too
 };
 
 // The file stands at the first row of `vertex`. Sizes are `scale` or `radius`, extinctions `sigma_t` or `opacity`,
@@ -53,11 +56,11 @@ Points readPoints(Reader& in, const Element& vertex, PointsWanted wanted);
 // whose opacities are logits.
 bool holdsSplats(const Element& vertex);
 // Those as points. A splat becomes a ball of the same volume.
-Points readSplats(Reader& in, const Element& vertex);
+Points readSplats(Reader& in, const Element& vertex, bool axes = false);
 
 // True: the elements `chunk` and `vertex` hold splats in the packed form of SuperSplat.
 bool holdsPackedSplats(const Header& header);
 // Those as points. The file stands at the first row of its first element.
-Points readPackedSplats(Reader& in, const Header& header);
+Points readPackedSplats(Reader& in, const Header& header, bool axes = false);
 
 } // namespace brume::ply

@@ -42,7 +42,7 @@ reference::World worldOf(const MeterJob& job) {
     Scene scene = *job.scene;
     setObjects(scene, now.lists);
     reference::World world =
-        reference::worldOf(scene, job.particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
+        reference::worldOf(scene, job.particles, {now.medium, now.light, now.lists.lights, now.lists.fogs, job.axes});
     // Sky, ambient light and haze would dilute the error. What was drawn has them in it.
     if (!job.drawn) world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     return world;

@@ -37,6 +37,7 @@ struct MeterJob {
     std::shared_ptr<const Scene> scene;
     SceneNow now;
     std::vector<gpu::Particle> particles;
+    std::vector<gpu::EllipsoidAxes> axes; // Simulation::axes()
     Pose pose;
     glm::uvec2 size{0};             // pixels
     std::vector<glm::uvec2> pixels; // positions of the pixels that are read back

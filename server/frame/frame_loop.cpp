@@ -192,6 +192,7 @@ void FrameLoop::giveParticles() {
                              .falloff = simulation.now().medium.falloff,
                              .particles = std::vector<gpu::Particle>(simulation.liveCount())};
         simulation.write(taken.particles);
+        taken.axes.assign(simulation.axes().begin(), simulation.axes().end());
         request->answer(std::move(taken));
     }
 }

@@ -77,6 +77,7 @@ bool Measuring::fill(MeterJob& job, const Pose& pose, glm::uvec2 size) const {
     try {
         job.particles.resize(simulation.liveCount());
         simulation.write(job.particles);
+        job.axes.assign(simulation.axes().begin(), simulation.axes().end());
         glm::vec3 lo = pose.position - 1.0f, hi = lo + 2.0f; // around the eye: with fog any pixel may show it
         const bool fog = std::ranges::any_of(job.now.lists.fogs, isThere);
         if (!fog) boundsOf(job.particles, job.now.medium.falloff, lo, hi);

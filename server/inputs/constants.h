@@ -17,7 +17,8 @@ inline gpu::Constants constantsOf(const SceneFeatures& f) {
             {gpu::kIdHasLocalLights, f.local_lights},
             {gpu::kIdHasMeshes, f.meshes},
             {gpu::kIdHasGlass, f.glass},
-            {gpu::kIdUnion, f.balls}};
+            {gpu::kIdUnion, f.balls},
+            {gpu::kIdEllipsoids, f.ellipsoids}};
 }
 
 // With those of a field of rays.

@@ -21,14 +21,24 @@ struct SceneFeatures {
     bool balls = false;        // True: the medium is the union of balls
     bool glass = false;        // True: there are sheets of glass
     bool tetrahedra = false;   // True: the medium is of tetrahedra
+    bool ellipsoids = false;   // True: particles have three axes
     bool sun = false;          // True: the directional light has an irradiance
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
-        return {opaque || o.opaque,   meshes || o.meshes,   bodies || o.bodies,
-                casters || o.casters, ambient || o.ambient, lobe || o.lobe,
-                fog || o.fog,         glow || o.glow,       local_lights || o.local_lights,
-                balls || o.balls,     glass || o.glass,     tetrahedra || o.tetrahedra,
+        return {opaque || o.opaque,
+                meshes || o.meshes,
+                bodies || o.bodies,
+                casters || o.casters,
+                ambient || o.ambient,
+                lobe || o.lobe,
+                fog || o.fog,
+                glow || o.glow,
+                local_lights || o.local_lights,
+                balls || o.balls,
+                glass || o.glass,
+                tetrahedra || o.tetrahedra,
+                ellipsoids || o.ellipsoids,
                 sun || o.sun};
     }
 };
@@ -62,6 +72,7 @@ inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const S
     all.ambient |= scene.sky.ambient != glm::vec3(0);
     all.balls |= now.medium.model == kUnionMedium;
     all.tetrahedra |= now.medium.model == kTetrahedraMedium;
+    all.ellipsoids |= now.medium.model == kEllipsoidMedium;
     return all;
 }
 // Takes out what shaders that are compiled for `features` do not draw.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/ellipsoid.h"
 #include "common/phase_lobes.h"
 #include "common/scene_limits.h"
 #include "server/inputs/multiple_block.h"
@@ -128,8 +129,23 @@ void setSun(gpu::Tick& tick, glm::vec3 to_light) {
     tick.map.y = glm::cross(to_light, tick.map.x);
 }
 
+void ballsOf(std::span<const gpu::Particle> particles, std::span<const gpu::EllipsoidAxes> axes,
+             std::vector<gpu::Particle>& out) {
+    out.clear();
+    if (axes.empty()) return;
+    out.assign(particles.begin(), particles.end());
+    for (size_t i = 0; i < out.size(); ++i) {
+        const auto [a, b, c] = axes[i];
+        const float bend = (1 / glm::dot(a, a) + 1 / glm::dot(b, b) + 1 / glm::dot(c, c)) / 3; // over the ball's
+        const float part = 1 / std::sqrt(bend);
+        out[i].scale *= part;
+        out[i].sigma_t *= float(partOfBall(axes[i])) / (part * part * part);
+    }
+}
+
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
-                   std::span<const gpu::Opaque> objects) {
+                   std::span<const gpu::Opaque> objects, std::span<const gpu::Particle> balls) {
+    if (balls.empty()) balls = particles;
     gpu::Tick tick{};
     setSun(tick, now.light.to_light);
     tick.falloff = now.medium.falloff;
@@ -142,7 +158,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     if (tick.sun.to_light.y <= 0 && tick.plane_count > 0)
         tick.sun.irradiance = glm::vec3(0); // the light is below the ground
     tick.particle_count = uint32_t(particles.size());
-    tick.cut = cutOf(particles, now.render.cutoff, tick.falloff);
+    tick.cut = cutOf(balls, now.render.cutoff, tick.falloff);
     tick.ambient = scene.sky.ambient;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
@@ -157,7 +173,7 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     const glm::mat3 basis(tick.map.x, tick.map.y, tick.sun.to_light);
     const bool dark = tick.sun.irradiance == glm::vec3(0); // no light: the smallest map
     const bool follow = now.render.shadow_size == 0 || now.render.shadow_slices == 0;
-    const ShadowedMedium shadowed(follow && !dark ? particles : std::span<const gpu::Particle>(), tick.falloff, basis);
+    const ShadowedMedium shadowed(follow && !dark ? balls : std::span<const gpu::Particle>(), tick.falloff, basis);
     const ShadowResolution resolution = dark ? ShadowResolution{} : shadowResolution(now.render, shadowed, size);
     tick.map.texels = resolution.texels;
     tick.map.slices = resolution.slices;

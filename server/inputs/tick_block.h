@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "server/inputs/scene_features.h"
 #include "shaders/shared/types.h"
@@ -11,8 +12,13 @@ namespace brume {
 
 // `particles`: the live ones; `objects`: opaqueObjects(). Light-space bounds hold every particle's support, so nothing
 // outside them shadows.
+// `balls`: the same particles as laws of errors take them, ballsOf() ellipsoids; empty: `particles` are balls.
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
-                   std::span<const gpu::Opaque> objects);
+                   std::span<const gpu::Opaque> objects, std::span<const gpu::Particle> balls = {});
+
+// Balls with the ellipsoids' volumes, into `out`. Nothing for no axes.
+void ballsOf(std::span<const gpu::Particle> particles, std::span<const gpu::EllipsoidAxes> axes,
+             std::vector<gpu::Particle>& out);
 
 // Sets the sun's direction, and the axes of light space by it.
 void setSun(gpu::Tick& tick, glm::vec3 to_light);

@@ -26,15 +26,21 @@ std::string particlesPly(const TakenParticles& taken) {
     std::string out = fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment scene {}, tick {}, state {:016x}; metres, y up; sizes for "
         "medium.falloff = {}\nelement vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\nproperty float scale\n"
-        "property float sigma_t\nproperty float red\nproperty float green\nproperty float blue\nproperty uint id\n"
-        "end_header\n",
+        "property float sigma_t\nproperty float red\nproperty float green\nproperty float blue\nproperty uint id\n",
         taken.scene, taken.tick, taken.state_hash, Medium().falloff, taken.particles.size(), place, place, place);
-    const size_t head = out.size(), row = 3 * (far ? sizeof(double) : sizeof(float)) + 5 * sizeof(float) + 4;
+    const bool shaped = !taken.axes.empty();
+    if (shaped)
+        for (const char axis : {'a', 'b', 'c'})
+            for (const char along : {'x', 'y', 'z'}) out += fmt::format("property float axis_{}_{}\n", axis, along);
+    out += "end_header\n";
+    const size_t head = out.size(), row = 3 * (far ? sizeof(double) : sizeof(float)) + 5 * sizeof(float) + 4 +
+                                          (shaped ? sizeof(gpu::EllipsoidAxes) : 0);
     out.resize(head + row * taken.particles.size());
     char* to = out.data() + head;
     const float per_scale = taken.falloff / Medium().falloff;
     auto id = uint32_t(taken.first);
-    for (const gpu::Particle& p : taken.particles) {
+    for (size_t i = 0; i < taken.particles.size(); ++i) {
+        const gpu::Particle& p = taken.particles[i];
         for (int axis = 0; axis < 3; ++axis)
             if (far)
                 put(taken.origin[axis] + double(p.centre[axis]), to);
@@ -44,6 +50,7 @@ std::string particlesPly(const TakenParticles& taken) {
         put(p.sigma_t, to);
         for (int c = 0; c < 3; ++c) put(p.albedo[c], to);
         put(id++, to);
+        if (shaped) put(taken.axes[i], to);
     }
     return out;
 }

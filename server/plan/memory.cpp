@@ -49,6 +49,12 @@ ParticleMemory tetrahedraMemory(const Tetrahedra* mesh) {
             cells * sizeof(gpu::Tetrahedron) + faces * sizeof(gpu::TetrahedraFace) + nodes * sizeof(gpu::ObjectNode)};
 }
 
+ParticleMemory ellipsoidMemory(size_t count) {
+    return {count * kParticle, // as balls of their volume
+            count *
+                ((1 + kSubmissions) * sizeof(gpu::EllipsoidAxes) + 2 * sizeof(gpu::Skew))}; // of light and of members
+}
+
 std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const Tetrahedra* mesh) {
     const uint64_t all = particleMemory(count).total() + besides + tetrahedraMemory(mesh).total();
     if (all <= most) return {};
@@ -62,7 +68,8 @@ std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const
 }
 
 uint32_t boundedCapacity(const Scene& scene, const Simulation& simulation, uint64_t most) {
-    const std::string wrong = memoryRefusal(simulation.capacity(), most, simulation.besides(), scene.tetrahedra.get());
+    const uint64_t besides = simulation.besides() + ellipsoidMemory(simulation.axes().size()).total();
+    const std::string wrong = memoryRefusal(simulation.capacity(), most, besides, scene.tetrahedra.get());
     if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);
     return simulation.capacity();
 }

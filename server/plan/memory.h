@@ -25,7 +25,10 @@ ParticleMemory particleMemory(uint32_t count);
 // Bytes of the CPU's memory and of the device's for a mesh; nothing for null.
 ParticleMemory tetrahedraMemory(const Tetrahedra* mesh);
 
-// Empty if `count` particles fit `most` bytes, with `besides` bytes that the simulation keeps of them, and with the
+// More bytes for so many ellipsoids than for balls.
+ParticleMemory ellipsoidMemory(size_t count);
+
+// Empty if `count` particles fit `most` bytes, with `besides` bytes that they take more, and with the
 // mesh whose corners they are; otherwise one line. Without a mesh it says how many would fit. Null: there is no mesh.
 std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides = 0, const Tetrahedra* mesh = nullptr);
 

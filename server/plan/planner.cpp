@@ -65,7 +65,9 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.objects = std::min(uint32_t(objects.size()) + triangles, kMostCounted);
     for (const Light& light : now.lists.lights) out.local_lights.push_back(localLightBlock(light));
     out.glasses = scene.glasses;
-    out.tick = makeTick(scene, now, particles, objects);
+    std::vector<gpu::Particle> balls;
+    ballsOf(particles, simulation.axes(), balls);
+    out.tick = makeTick(scene, now, particles, objects, balls);
     addCasters(std::span(objects).subspan(out.tick.plane_count), out);
     out.triangles = out.features.casters ? std::min(triangles, kMostCounted) : 0;
     out.state = stateOf(particles, out.tick);
@@ -73,6 +75,10 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.particles = uint32_t(particles.size());
     out.capacity = simulation.capacity();
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut, out.features.tetrahedra);
+    if (!balls.empty()) { // laws of errors take each for the ball of its volume
+        out.extent.deviation = mediumExtent(balls, out.tick.falloff, out.tick.cut).deviation;
+        particles = std::move(balls);
+    }
     setSmoothLengths(out.local_lights, particles, out.extent, out.tick.falloff, out.features, now.lists.planes);
     const size_t stride = std::max<size_t>((particles.size() + kSample - 1) / kSample, 1);
     for (size_t i = 0; i < particles.size(); i += stride) out.sample.push_back(particles[i]);

@@ -28,24 +28,34 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     simulation.write(now_);
     moved_ = !sameBits(now_, then_);
     const gpu::Tick before = tick_;
-    tick_ = makeTick(scene, now, now_, objects);
+    ballsOf(now_, simulation.axes(), balls_);
+    tick_ = makeTick(scene, now, now_, objects, balls_);
     if (std::exchange(forgotten_, false) || moved_ || tick_.falloff != before.falloff || tick_.cut != before.cut) {
         ++version_;
         extent_ = mediumExtent(now_, tick_.falloff, tick_.cut, now.medium.model == kTetrahedraMedium);
+        if (!balls_.empty()) extent_.deviation = mediumExtent(balls_, tick_.falloff, tick_.cut).deviation;
     }
     std::span<const gpu::Particle> ordered = now_;
-    // Tetrahedra know their corners by number.
-    if (now_.size() >= kLargeMedium && now.medium.model != kTetrahedraMedium) {
+    // Tetrahedra know their corners by number, as axes know their particles.
+    const bool numbered = now.medium.model == kTetrahedraMedium || now.medium.model == kEllipsoidMedium;
+    if (now_.size() >= kLargeMedium && !numbered) {
         ordered_.resize(now_.size());
         if (moved_) order_.sort(now_, ordered_);
         ordered = ordered_;
     }
-    levels_.choose(ordered, moved_, tick_, extent_, eyes, now.render.merge);
-    const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle);
-    staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes(), 256),
+    const std::span<const gpu::EllipsoidAxes> axes = simulation.axes();
+    levels_.choose(ordered, moved_, tick_, extent_, eyes, axes.empty() ? now.render.merge : 0); // levels are of balls
+    axes_wait_ = !axes.empty() && !axes_there_;
+    const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle), more = axes_wait_ ? axes.size_bytes() : 0;
+    staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes() + more, 256),
                     VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::upload, "particle upload");
     if (moved_) std::copy(ordered.begin(), ordered.end(), staging.mapped<gpu::Particle>(ordered.size()).begin());
     levels_.write(device_, staging, bytes);
+    if (axes_wait_) {
+        axes_.atLeast(device_, more, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                      gpu::Memory::device, "semi-axes");
+        std::ranges::copy(axes, staging.mapped<gpu::EllipsoidAxes>(axes.size(), bytes).begin());
+    }
     staging.flush();
 }
 
@@ -62,6 +72,7 @@ void TickUpload::writeBlocks(const UniformBlocks& blocks, std::span<const Hue> h
         const gpu::Resource list = gpu::storageBuffer("Particles", particles);
         view.resources.give(list);
         view.resources.give(list.as("ParticleLights")); // until they are lit it is not read
+        view.resources.give(axes_ ? gpu::storageBuffer("Axes", axes_) : list.as("Axes"));
         return view;
     };
     all_ = viewOf(particles_, tick_.particle_count, extent_, kNoLevel);
@@ -90,19 +101,23 @@ std::span<MediumView* const> TickUpload::seenBy(size_t eyes) {
 }
 
 void TickUpload::record(gpu::Commands& commands, const gpu::Buffer& staging) const {
-    if ((!moved_ && levels_.uploadBytes() == 0) || tick_.particle_count == 0) return;
+    if ((!moved_ && !axes_wait_ && levels_.uploadBytes() == 0) || tick_.particle_count == 0) return;
     const gpu::Commands::Pass pass(commands, "upload");
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd);
     const VkBufferCopy copy{0, 0, tick_.particle_count * sizeof(gpu::Particle)};
     if (moved_) vkCmdCopyBuffer(cmd, staging.handle(), particles_.handle(), 1, &copy);
+    if (axes_wait_) {
+        const VkBufferCopy to_axes{capacity_ * sizeof(gpu::Particle), 0, axes_.size()};
+        vkCmdCopyBuffer(cmd, staging.handle(), axes_.handle(), 1, &to_axes);
+    }
     levels_.record(cmd, staging, capacity_ * sizeof(gpu::Particle));
     gpu::transferToCompute(cmd);
 }
 
 uint64_t TickUpload::cpuBytes() const {
-    return (now_.capacity() + then_.capacity() + ordered_.capacity()) * sizeof(gpu::Particle) + order_.bytes() +
-           levels_.cpuBytes();
+    return (now_.capacity() + then_.capacity() + ordered_.capacity() + balls_.capacity()) * sizeof(gpu::Particle) +
+           order_.bytes() + levels_.cpuBytes();
 }
 
 } // namespace brume

@@ -32,9 +32,9 @@ public:
     // Records the copies from `staging`. Ends with its writes visible to compute.
     void record(gpu::Commands& commands, const gpu::Buffer& staging) const;
     // The submission is on its way: what take() found is what the device has.
-    void submitted() { std::swap(now_, then_); }
+    void submitted() { std::swap(now_, then_), axes_there_ |= axes_wait_; }
     // The device has nothing: the next take() uploads everything.
-    void forget() { then_.clear(), forgotten_ = true; }
+    void forget() { then_.clear(), forgotten_ = true, axes_there_ = false; }
 
     uint32_t capacity() const { return capacity_; }
     const gpu::Tick& tick() const { return tick_; }
@@ -63,9 +63,13 @@ private:
     MergedMedia levels_;
     std::vector<MediumView*> seen_; // seenBy()
     SpatialOrder order_;
+    gpu::Buffer axes_;                                // of ellipsoids, which never change
+    std::vector<gpu::Particle> balls_;                // ballsOf() them
     std::vector<gpu::Particle> now_, then_, ordered_; // of this submission, of the last one; now_ in the order of space
     bool forgotten_ = false;                          // True: forget() was called since the last take()
     bool moved_ = true;
+    bool axes_wait_ = false;  // True: take() put the axes into `staging`, behind all particles
+    bool axes_there_ = false; // True: the device has them
 };
 
 } // namespace brume

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/scene.h"
+#include "shaders/shared/types.h"
 
 namespace brume {
 
@@ -28,6 +29,7 @@ struct Placement {
     std::vector<float> multiplier;        // times the medium's extinction
     std::vector<float> sigma_t;           // 1/m, replaces multiplier * extinction
     std::vector<glm::vec3> albedo;        // replaces the medium's
+    std::vector<gpu::EllipsoidAxes> axes; // of ellipsoids; empty with another model
     std::vector<int64_t> id;              // each point's id, where a sequence's file has them
     bool own_scale = false;               // True: sizes came with the points
     std::optional<PointCloudFacts> cloud; // facts about points of a file; nothing for other layouts

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/elementary.h"
+#include "common/ellipsoid.h"
 #include "common/ply/ply.h"
 #include "common/random.h"
 #include "common/scene_limits.h"
@@ -118,7 +119,7 @@ float extinctionByDepth(const Medium& medium, const Placement& placed) {
     glm::dvec3 lo(std::numeric_limits<double>::max()), hi = -lo;
     for (size_t i = 0; i < placed.position.size(); ++i) {
         const double deviation = double(deviationOf(placed.scale[i], medium)) * double(kSqrt2Pi);
-        mass += deviation * deviation * deviation;
+        mass += deviation * deviation * deviation * (placed.axes.empty() ? 1 : partOfBall(placed.axes[i]));
         largest = std::max(largest, deviationOf(placed.scale[i], medium));
         lo = glm::min(lo, glm::dvec3(placed.position[i]));
         hi = glm::max(hi, glm::dvec3(placed.position[i]));
@@ -135,10 +136,12 @@ std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Plac
     }
     if (cloud.opacity.empty())
         return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier" : "the file's sigma_t";
-    // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left.
+    // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left. Of an
+    // ellipsoid it is the ray along the shortest axis.
     for (size_t i = 0; i < cloud.opacity.size(); ++i) {
         const auto depth = float(depthOf(double(std::min(cloud.opacity[i], kMostOpacity))));
-        out.sigma_t.push_back(limits::kSigmaT.clamp(depth / (deviationOf(out.scale[i], medium) * kSqrt2Pi)));
+        const float deviation = deviationOf(out.scale[i], medium) * (out.axes.empty() ? 1 : shortestAxis(out.axes[i]));
+        out.sigma_t.push_back(limits::kSigmaT.clamp(depth / (deviation * kSqrt2Pi)));
     }
     return "from the file's opacity";
 }
@@ -152,16 +155,18 @@ double opticalDepth(double mass, glm::dvec3 lo, glm::dvec3 hi, double reach) {
 
 Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
     const bool sequence = medium.layout == Layout::sequence, tetrahedra = medium.model == kTetrahedraMedium;
-    const bool may_be_many = !sequence && !tetrahedra;
+    const bool ellipsoids = medium.model == kEllipsoidMedium, may_be_many = !sequence && !tetrahedra && !ellipsoids;
     PointCloud cloud = loadPly(medium.file, frameOf(medium, origin),
                                {.ids = sequence,
                                 .tetrahedra = tetrahedra,
+                                .axes = ellipsoids,
                                 .may_be_empty = sequence,
                                 .drop_far = medium.far_points == "drop" && !tetrahedra,
                                 .most = may_be_many ? kMostPlyPoints : uint64_t(limits::kCount.hi)});
     Placement out;
     out.id = std::move(cloud.id);
     out.position = std::move(cloud.position);
+    out.axes = std::move(cloud.axes);
     PointCloudFacts facts;
     facts.sizes_from = placeSizes(cloud, medium, out);
     facts.extinctions_from = placeExtinctions(cloud, medium, out);

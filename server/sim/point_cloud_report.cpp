@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/camera.h"
+#include "common/ellipsoid.h"
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
 #include "common/text.h"
@@ -38,7 +39,8 @@ std::string asKeys(float sigma_t) {
 // What the lines are about: particles of a cloud as loaded.
 struct Cloud {
     Cloud(const Scene& of, const Simulation& simulation)
-        : scene(of), facts(*simulation.pointCloud()), bounds(simulation.bounds()), particles(simulation.liveCount()) {
+        : scene(of), facts(*simulation.pointCloud()), bounds(simulation.bounds()), particles(simulation.liveCount()),
+          axes(simulation.axes()) {
         simulation.write(particles);
     }
     glm::dvec3 world(glm::vec3 place) const { return scene.origin + glm::dvec3(place); }
@@ -50,6 +52,7 @@ struct Cloud {
     const PointCloudFacts& facts;
     const Bounds& bounds;
     std::vector<gpu::Particle> particles;
+    std::span<const gpu::EllipsoidAxes> axes; // of ellipsoids
 };
 
 template <class Member>
@@ -74,8 +77,11 @@ double depthOf(const Cloud& cloud) {
         for (const glm::uvec4& cell : cloud.scene.tetrahedra->corners) mass += massOf(cell, cloud.particles);
         return mass > 0 ? opticalDepth(mass, cloud.bounds.lo, cloud.bounds.hi, 0) : 0;
     }
-    for (const gpu::Particle& p : cloud.particles)
-        mass += double(p.sigma_t) * std::pow(double(cloud.deviation(p)) * 2.50662827, 3);
+    for (size_t i = 0; i < cloud.particles.size(); ++i) {
+        const gpu::Particle& p = cloud.particles[i];
+        const double part = cloud.axes.empty() ? 1 : partOfBall(cloud.axes[i]);
+        mass += part * double(p.sigma_t) * std::pow(double(cloud.deviation(p)) * 2.50662827, 3);
+    }
     return opticalDepth(mass, cloud.bounds.lo, cloud.bounds.hi, double(cloud.reach()));
 }
 

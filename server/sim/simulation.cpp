@@ -91,6 +91,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
             motion = std::make_unique<Homes>(rows, std::move(placed.albedo), scene.medium.extinction,
                                              static_cast<float>(limits::kSigmaT.hi) / most);
         }
+        axes = std::move(placed.axes);
         cloud = std::move(placed.cloud);
     }
     if (scene.medium.model == kUnionMedium && double(rows) > limits::kUnionCount.hi)
@@ -110,6 +111,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
         for (const Rows run : motion->living())
             all.add(std::span((*columns)[static_cast<Column>(c)] + run.begin, run.end - run.begin));
     for (const glm::vec3& albedo : motion->albedos()) all.add(std::span(&albedo.x, 3));
+    for (const gpu::EllipsoidAxes& one : axes) all.add(std::span(&one.a.x, 9));
     origin = all.value();
     eachLive<std::string>(partsOf(now), [](std::string& text) { text.reserve(kLongestName); });
     settle();
@@ -150,7 +152,7 @@ std::string Simulation::State::change(Edit edit) {
     tried = now.lists;
     std::string problem = edit(tried);
     if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
-    if (problem.empty() && now.medium.model != kSumMedium && !(tried.fogs.empty() && tried.lights.empty()))
+    if (problem.empty() && !isSum(now.medium) && !(tried.fogs.empty() && tried.lights.empty()))
         problem = "fog, points and spots are drawn only with medium.model = \"sum\"";
     if (!problem.empty()) return problem;
     std::swap(now.lists, tried);
@@ -273,11 +275,15 @@ uint64_t Simulation::settingsVersion() const { return state_->settings_version; 
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const { return state_->columns->bytes() + state_->first_columns->bytes() + besides(); }
-uint64_t Simulation::besides() const { return state_->motion->bytes() + (state_->past ? state_->past->bytes() : 0); }
+uint64_t Simulation::besides() const {
+    return state_->motion->bytes() + (state_->past ? state_->past->bytes() : 0) +
+           state_->axes.size() * sizeof(gpu::EllipsoidAxes);
+}
 const Bounds& Simulation::bounds() const { return state_->bounds; }
 const SceneNow& Simulation::now() const { return state_->now; }
 uint64_t Simulation::firstId() const { return state_->motion->firstId(); }
 const Past* Simulation::past() const { return state_->past ? &*state_->past : nullptr; }
+std::span<const gpu::EllipsoidAxes> Simulation::axes() const { return state_->axes; }
 const PointCloudFacts* Simulation::pointCloud() const { return state_->cloud ? &*state_->cloud : nullptr; }
 
 void Simulation::write(std::span<gpu::Particle> out, uint32_t every) const {

@@ -90,6 +90,8 @@ public:
     const PointCloudFacts* pointCloud() const; // null unless points come from files
     // The last limits::kPathGroups.hi ticks, of a union medium whose particles stay the same ones. Null: of others.
     const Past* past() const;
+    // The particles' semi-axes in the order of write(), which never change; empty unless they are ellipsoids.
+    std::span<const gpu::EllipsoidAxes> axes() const;
     // Writes every so many of the live particles, in a stable order, beginning with the first. Precondition: `out` has
     // room for liveCount() / every of them, rounded up.
     void write(std::span<gpu::Particle> out, uint32_t every = 1) const;

@@ -47,6 +47,7 @@ struct Simulation::State {
 
     uint32_t rows = 0;
     std::optional<PointCloudFacts> cloud;
+    std::vector<gpu::EllipsoidAxes> axes; // Simulation::axes()
     std::optional<Columns> columns;
     std::unique_ptr<Motion> motion;
     std::optional<Obstacles> obstacles; // nothing: particles pass through all that is there

@@ -22,6 +22,7 @@ struct TakenParticles {
     glm::dvec3 origin{0}; // m, that places count from
     float falloff = 1;
     std::vector<gpu::Particle> particles;
+    std::vector<gpu::EllipsoidAxes> axes; // of each; empty: they are balls
 };
 
 class ParticleRequest {

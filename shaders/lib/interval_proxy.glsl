@@ -50,12 +50,12 @@ IntervalProxy clippedProxy(vec3 v[4]) {
     return proxy;
 }
 
-// `c`: centre of the particle relative to the eye (m).
-IntervalProxy intervalProxy(vec3 c, float scale) {
+// `c`: centre of the particle relative to the eye (m). `axes`: its semi-axes, of a ball the unit matrix.
+IntervalProxy intervalProxy(vec3 c, float scale, mat3 axes) {
     vec3 v[4];
     bool crosses = false;
     for (uint i = 0; i < 4; ++i) {
-        v[i] = toView(c + scale * kTetrahedron[i]);
+        v[i] = toView(c + scale * (axes * kTetrahedron[i]));
         crosses = crosses || v[i].z < eye.near_depth;
     }
     if (crosses) return clippedProxy(v);

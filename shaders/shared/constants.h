@@ -26,6 +26,7 @@ const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 const uint kIdHasMeshes = 32u;      // bool: there are meshes
 const uint kIdHasStructure = 33u;   // bool: some planes have a structure (ground.h)
 const uint kIdUnion = 36u;          // bool: particles are balls whose union is the medium
+const uint kIdEllipsoids = 62u;     // bool: particles have three axes (ellipsoid.h)
 const uint kIdHasGlass = 60u;       // bool: there are sheets of glass: pictures are sums of layers (glass.h)
 
 // Lanes of a workgroup that is one subgroup, where lanes work on one thing together: a power of two, at most 8

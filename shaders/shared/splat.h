@@ -27,7 +27,8 @@ struct SplatCone {
 };
 
 // A particle as functions of the pixel. An affine function is three numbers: its value at pixel (0, 0), its steps to
-// the right and down. d: the pixel's ray direction of unit view depth; c: the centre relative to the eye.
+// the right and down. d: the pixel's ray direction of unit view depth; c: the centre relative to the eye. Of an
+// ellipsoid both are in units of its semi-axes, but for `slope`.
 struct Splat {
     vec3 across_x; // k (c x d) in two axes across c, times sqrt(log2 e): k^2 b^2 log2 e = (x^2 + y^2) / d^2
     vec2 across_y; // constant along a row: the value at pixel (0, 0), the step down
@@ -43,6 +44,11 @@ struct Splat {
     float chord;     // of its cone
 };
 
+// The ray's direction of unit view depth in units of an ellipsoid's semi-axes (ellipsoid.h): three affine functions.
+struct SplatWay {
+    vec3 a, b, c;
+};
+
 // Blocks of tiles of a picture, and the transmittance at which rays end.
 struct SplatGrid {
     uvec2 blocks; // number of blocks
@@ -51,7 +57,7 @@ struct SplatGrid {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ParticleLight) == 20 && sizeof(SplatCone) == 16 && sizeof(Splat) == 84);
+static_assert(sizeof(ParticleLight) == 20 && sizeof(SplatCone) == 16 && sizeof(Splat) == 84 && sizeof(SplatWay) == 36);
 } // namespace brume::gpu
 #endif
 

@@ -24,6 +24,12 @@ struct Particle {
     float sigma_t; // 1/m, extinction at the centre
 };
 
+// The semi-axes of a particle that is no ball, over its scale (shared/ellipsoid.h): orthogonal, the longest of
+// length 1.
+struct EllipsoidAxes {
+    vec3 a, b, c;
+};
+
 // A directional light. A scene without one has irradiance 0.
 struct Light {
     vec3 to_light;   // unit
@@ -234,6 +240,14 @@ struct SlabMember {
     vec3 albedo;
     uint reach; // its first sheet of slabs, and 65,536 times its last one; first > last: none. kSmallMember
 };
+// What a member, or a particle in the sun's map, that is no ball has across its planes: exp(-(xx x^2 + 2 xy x y + yy
+// y^2)) in place of its own factors, to the base 2 in members. At (x, y) from its centre its middle lies `tilt` . (x,
+// y) further along.
+struct Skew {
+    float xx, xy, yy;
+    vec2 tilt;
+};
+
 // Bit of SlabMember::reach. Set: on some plane the member is much narrower than a tile, and is added without
 // recurrences.
 const uint kSmallMember = 0x8000u;
@@ -313,6 +327,7 @@ struct DrawArguments {
 
 #ifdef __cplusplus
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
+static_assert(sizeof(EllipsoidAxes) == 36 && sizeof(Skew) == 20);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
 static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 656 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);

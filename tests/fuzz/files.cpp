@@ -13,6 +13,7 @@
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
 #include "server/plan/cost_model.h"
+#include "shaders/shared/ellipsoid.h"
 #include "tests/fuzz/promise.h"
 
 namespace brume::fuzz {
@@ -102,7 +103,13 @@ void scene(Bytes input) {
 void ply(Bytes input) {
     const std::string bytes(textOf(input)); // exactly so long
     try {
-        const PointCloud cloud = parsePly(bytes, "points.ply", {}, {.ids = bytes.size() % 2 == 1});
+        const PlyContents contents = contentsOf(bytes, "points.ply");
+        const PointCloud cloud =
+            parsePly(bytes, "points.ply", {}, {.ids = bytes.size() % 2 == 1, .axes = contents.axes});
+        for (const gpu::EllipsoidAxes& axes : cloud.axes)
+            for (const glm::vec3 axis : {axes.a, axes.b, axes.c})
+                promise(glm::length(axis) > 0.99f * gpu::kLeastAxis && glm::length(axis) < 1.001f, "an axis");
+        promise(cloud.axes.size() == (contents.axes ? cloud.position.size() : 0), "axes are complete");
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");
         promise(points + cloud.dropped <= bytes.size(), "every point has bytes of its own");

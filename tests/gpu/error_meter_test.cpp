@@ -84,8 +84,9 @@ protected:
         submitAndWait(renderer, submission, simulation, {&eye, 1});
         const std::vector<glm::vec4> drawn = renderer.readRadiance();
         const SceneNow& now = simulation.now();
-        const reference::World world = reference::worldOf(scene, particlesOf(simulation),
-                                                          {now.medium, now.light, now.lists.lights, now.lists.fogs});
+        const reference::World world =
+            reference::worldOf(scene, particlesOf(simulation),
+                               {now.medium, now.light, now.lists.lights, now.lists.fogs, simulation.axes()});
         const reference::Picture truth =
             truePicture(world, reference::perspective(eye.pose, int(kSize.x), int(kSize.y), kNearDepth), 1e-5);
         std::vector<glm::dvec3> values, references;

@@ -35,7 +35,8 @@ protected:
         for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
             for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) pixels.emplace_back(x, y);
         const std::vector<TruePixel> truth =
-            truthOf(reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs}),
+            truthOf(reference::worldOf(scene, particles,
+                                       {now.medium, now.light, now.lists.lights, now.lists.fogs, simulation.axes()}),
                     reference::perspective(pose, kWidth, kHeight, kNear), pixels, 1e-5);
         double errors = 0, values = 0, worst = 0;
         int count = 0;

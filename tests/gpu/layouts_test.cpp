@@ -256,7 +256,8 @@ TEST_F(GpuTest, AProgramRefusesBuffersLargerThanTheDeviceCanBind) {
         const glm::uvec3 push{};
         program.bind(commands,
                      {uniformBuffer("TickBlock", buffer, 0, tick), storageBuffer("Particles", buffer, 0, particles),
-                      storageBuffer("LightParticles", buffer), storageBuffer("Bins", buffer)},
+                      storageBuffer("LightParticles", buffer), storageBuffer("Bins", buffer),
+                      storageBuffer("Axes", buffer), storageBuffer("LightSkews", buffer)},
                      push);
     };
     EXPECT_NO_THROW(bind(256, 256));

@@ -25,6 +25,7 @@ void recordAndWait(const gpu::Device& device, const gpu::Tick& tick, std::string
     gpu::Resources shared;
     shared.give(gpu::uniformBuffer("TickBlock", block, 0, sizeof(gpu::Tick)));
     shared.give(gpu::storageBuffer(name, buffer));
+    shared.give(gpu::storageBuffer("Axes", buffer)); // of balls nothing reads them
     record(commands, shared);
     commands.submit();
     waitFor(commands);

@@ -157,6 +157,36 @@ TEST_F(Uploads, ParticlesAreTakenOutAndReadBack) {
     EXPECT_EQ(get(empty.port(), "/particles.ply").status, 404);
 }
 
+// Splats keep their axes, and what is taken out of them keeps them as well.
+TEST_F(Uploads, SplatsAreEllipsoidsAndAreReadBack) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--paused"});
+    std::string file = "ply\nformat ascii 1.0\nelement vertex 40\n";
+    for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                             "rot_0", "rot_1", "rot_2", "rot_3"})
+        file += "property float " + std::string(name) + "\n";
+    file += "end_header\n";
+    for (int i = 0; i < 40; ++i)
+        file +=
+            fmt::format("{} {} {} 1 0 -1 {} -1 -2 -3.5 {} {} 0.3 0.2\n", i % 4, i / 4 % 4, i / 16, 0.1 * i, i, 40 - i);
+    ASSERT_EQ(post(server.port(), "/cloud?name=discs", file).status, 200);
+    EXPECT_NE(get(server.port(), "/scene.toml").body.find("ellipsoids"), std::string::npos);
+    const HttpReply out = get(server.port(), "/particles.ply");
+    const PointCloud read = parsePly(out.body, "out.ply", {}, {.ids = true, .axes = true});
+    const PointCloud given = parsePly(file, "discs.ply", {}, {.axes = true});
+    ASSERT_EQ(read.axes.size(), 40u);
+    for (size_t i = 0; i < 40; ++i) {
+        EXPECT_EQ(read.axes[i].a, given.axes[i].a);
+        EXPECT_EQ(read.axes[i].b, given.axes[i].b);
+        EXPECT_EQ(read.axes[i].c, given.axes[i].c);
+    }
+    ASSERT_EQ(post(server.port(), "/cloud?name=again", out.body).status, 200);
+    const HttpReply again = get(server.port(), "/particles.ply");
+    EXPECT_EQ(again.body.substr(again.body.find("element")), out.body.substr(out.body.find("element")));
+    Watcher a(server.endpoint());
+    a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+}
+
 TEST_F(Uploads, TheAnswerToAnUploadIsForProgramsToo) {
     RunningServer server({"--ahead", "off", "--cloud-dir", clouds()});
     const std::string file = placed("0 0 0\n1 0 0\n0 2 0\nnan 0 3\n");

@@ -92,9 +92,10 @@ Brute bruteForce(const World& world, const Ray& ray, double end, int samples) {
         seen.back() = !occluded(world.obstacles, toward);
         double light_depth = 0;
         for (const Blob& b : world.blobs)
-            light_depth += blobDepth(b, toward,
-                                     common({0, arrival.distance}, world.cut_light ? insideTetrahedron(b, toward)
-                                                                                   : Interval{0, arrival.distance}));
+            light_depth +=
+                blobDepth(b, toward,
+                          common({0, arrival.distance}, world.cut_light ? insideTetrahedron(b, nullptr, toward)
+                                                                        : Interval{0, arrival.distance}));
         for (const Fog& fog : world.fogs) light_depth += depthOn(fog, toward);
         glm::dvec3 value = world.ambient * scattering;
         const glm::dvec3 lit = arrival.irradiance * phase(world.phase, -arrival.to_light, -ray.direction) *

@@ -6,6 +6,7 @@
 
 #include "common/ply/ply.h"
 #include "common/scene.h"
+#include "shaders/shared/ellipsoid.h"
 #include "tests/unit/ply_file.h"
 
 namespace brume::ply_splats_test {
@@ -68,6 +69,32 @@ TEST(Splats, LengthsAreInTheFilesUnit) {
         parsePly(asciiPly(kSplat, "2 0 0 0 0 0 2.5 0 0 0 1 0 0 0\n"), "s.ply", {.unit = 0.1, .up = "-y"});
     EXPECT_NEAR(cloud.deviation[0], 0.1f, 1e-7f);
     EXPECT_NEAR(cloud.opacity[0], 0.9241f, 1e-4f) << "what a ray through it loses stays";
+}
+
+// Of a turned disc: rot is a quarter turn about z, so that the file's first axis is y.
+TEST(Splats, AxesAreTurnedAsTheFileSays) {
+    const std::string disc = asciiPly(kSplat, "0 0 0 0 0 0 2 0 -1 -3 0.70710678 0 0 0.70710678\n");
+    const PointCloud cloud = parsePly(disc, "s.ply", {}, {.axes = true});
+    ASSERT_EQ(cloud.axes.size(), 1u);
+    EXPECT_NEAR(cloud.deviation[0], 1, 1e-6) << "that of the longest";
+    const auto near = [](glm::vec3 a, glm::vec3 b) { return glm::length(a - b) < 1e-6f; };
+    EXPECT_TRUE(near(cloud.axes[0].a, {0, 1, 0}));
+    EXPECT_TRUE(near(cloud.axes[0].b, {-std::exp(-1.0f), 0, 0}));
+    EXPECT_TRUE(near(cloud.axes[0].c, {0, 0, std::exp(-3.0f)}));
+    EXPECT_TRUE(tells(cloud, "splats are ellipsoids"));
+    const PointCloud lying = parsePly(disc, "s.ply", {.up = "z"}, {.axes = true}); // y of the file is -z here
+    EXPECT_TRUE(near(lying.axes[0].a, {0, 0, -1}));
+    EXPECT_TRUE(near(lying.axes[0].c, {0, std::exp(-3.0f), 0}));
+    EXPECT_TRUE(tells(read(disc), "medium.model = \"ellipsoids\" keeps their axes"));
+}
+
+TEST(Splats, AxesThatAreNoneAreFlatOrTheWorlds) {
+    std::string two = kSplat;
+    two.erase(two.find("property float scale_2\n"), 23);
+    const PointCloud flat = parsePly(asciiPly(two, "0 0 0 0 0 0 2 0 -1 1 0 0 0\n"), "s.ply", {}, {.axes = true});
+    EXPECT_NEAR(glm::length(flat.axes[0].c), gpu::kLeastAxis, 1e-6f) << "a disc";
+    const PointCloud still = parsePly(asciiPly(kSplat, "0 0 0 0 0 0 2 0 0 0 0 0 0 0\n"), "s.ply", {}, {.axes = true});
+    EXPECT_EQ(still.axes[0].a, glm::vec3(1, 0, 0)) << "a rotation of zeros is none";
 }
 
 TEST(Splats, NumbersThatAreNoneDropTheirSplatAlone) {

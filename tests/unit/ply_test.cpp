@@ -283,10 +283,10 @@ TEST(Ply, PointsThatNoTetrahedronHasAreLeftOut) {
 
 TEST(Ply, HeaderSaysWhetherThereAreTetrahedra) {
     const std::string end = "end_header\n";
-    EXPECT_TRUE(holdsTetrahedra(kAscii + kCorners + kCells + end, "ply_test.ply"));
-    EXPECT_FALSE(holdsTetrahedra(kAscii + kCorners + end, "ply_test.ply"));
-    EXPECT_FALSE(holdsTetrahedra(kAscii + kCorners + "element tetrahedron 0\n" + end, "ply_test.ply"));
-    EXPECT_THROW(holdsTetrahedra(kAscii + kCorners, "ply_test.ply"), SceneError);
+    EXPECT_TRUE(contentsOf(kAscii + kCorners + kCells + end, "ply_test.ply").tetrahedra);
+    EXPECT_FALSE(contentsOf(kAscii + kCorners + end, "ply_test.ply").tetrahedra);
+    EXPECT_FALSE(contentsOf(kAscii + kCorners + "element tetrahedron 0\n" + end, "ply_test.ply").tetrahedra);
+    EXPECT_THROW(contentsOf(kAscii + kCorners, "ply_test.ply").tetrahedra, SceneError);
 }
 
 TEST(Ply, BrokenTetrahedraSayWhatIsExpected) {

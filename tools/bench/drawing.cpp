@@ -106,8 +106,8 @@ std::string rowOf(const gpu::Device& device, const CostModel& costs, const Drawi
     unrounded.ambient = drawn.ambient = glm::dvec3(0);
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
-    reference::World world =
-        reference::worldOf(stage.scene(), particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
+    reference::World world = reference::worldOf(
+        stage.scene(), particles, {now.medium, now.light, now.lists.lights, now.lists.fogs, stage.simulation().axes()});
     // They would dilute the error.
     world.sky_zenith = world.sky_horizon = world.ambient = glm::dvec3(0), world.haze = 0;
     const reference::Stage truth(world, {.tolerance = kTolerance});

@@ -88,10 +88,11 @@ private:
     Submission submission_;
 };
 
-// Names of the shipped scenes, then the path of one with several albedos, which they lack.
+// Names of the shipped scenes, then the paths of what they lack: several albedos, and ellipsoids.
 std::vector<std::string> scenes() {
     std::vector<std::string> names = sceneNames(BRUME_SCENES);
-    names.emplace_back(BRUME_BENCH_SCENES "/albedos.toml");
+    for (const char* lacked : {"/albedos.toml", "/ellipsoids.toml"})
+        names.emplace_back(BRUME_BENCH_SCENES + std::string(lacked));
     return names;
 }
 
@@ -102,8 +103,9 @@ std::string pictureHashes(const gpu::Device& device, const std::string& only) {
     for (const std::string& scene : scenes()) {
         if (std::filesystem::path(scene).stem().string().find(only) == only.npos) continue;
         const Scene loaded = loadScene(findScene(scene, BRUME_SCENES));
-        std::vector<std::string> all_methods = methodNames(
-            {.balls = loaded.medium.model == kUnionMedium, .tetrahedra = loaded.medium.model == kTetrahedraMedium});
+        std::vector<std::string> all_methods = methodNames({.balls = loaded.medium.model == kUnionMedium,
+                                                            .tetrahedra = loaded.medium.model == kTetrahedraMedium,
+                                                            .ellipsoids = loaded.medium.model == kEllipsoidMedium});
         all_methods.emplace_back(kAutoMethod);
         std::sort(all_methods.begin(), all_methods.end());
         const bool needs_fields = !loaded.fogs.empty() || !localLightsOf(loaded).empty();

@@ -1,6 +1,6 @@
-// Hashes of pictures: every shipped scene, and one with several albedos, by every method from two cameras. The text
-// stays equal as long as no bit of a picture changes. Compare it before and after a refactoring to show that pictures
-// are unchanged.
+// Hashes of pictures: every shipped scene, one with several albedos and one of ellipsoids, by every method from two
+// cameras. The text stays equal as long as no bit of a picture changes. Compare it before and after a refactoring to
+// show that pictures are unchanged.
 #pragma once
 
 #include <string>

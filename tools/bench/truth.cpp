@@ -21,7 +21,8 @@ constexpr double kTolerance = 1e-6; // of the reference: a hundredth of the smal
 reference::World worldOf(const Stage& stage) {
     const std::vector<gpu::Particle> particles = stage.particles();
     const SceneNow& now = stage.simulation().now();
-    return reference::worldOf(stage.scene(), particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
+    return reference::worldOf(stage.scene(), particles,
+                              {now.medium, now.light, now.lists.lights, now.lists.fogs, stage.simulation().axes()});
 }
 
 // When to stop: no pixel is begun later than `seconds` after the start, once `least` are.

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "common/scene_limits.h"
 #include "common/numbered_files.h"
+#include "common/scene_limits.h"
 
 namespace brume::volumes {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "shaders/shared/ellipsoid.h"
 #include "tools/reference/light_field.h"
 
 namespace brume::reference {
@@ -64,7 +65,9 @@ DensityGrid::Density DensityGrid::at(size_t cell, glm::dvec3 x) const {
     for (const uint32_t i : blobs_[cell]) {
         const Blob& b = world_.blobs[i];
         const glm::dvec3 off = x - b.centre;
-        const double sigma = b.sigma_t * std::exp(-b.k * b.k * glm::dot(off, off));
+        const SemiAxes* const axes = axesOf(world_, i);
+        const glm::dvec3 in = axes ? physics::inSemiAxes(off, axes->a, axes->b, axes->c) : off;
+        const double sigma = b.sigma_t * std::exp(-b.k * b.k * glm::dot(in, in));
         density.extinction += sigma;
         density.scattering += sigma * b.albedo;
     }

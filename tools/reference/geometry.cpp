@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "shaders/shared/ellipsoid.h"
 #include "shaders/shared/glass.h"
 
 namespace brume::reference {
@@ -114,12 +115,14 @@ Interval insideFog(const Fog& fog, const Ray& ray) {
     return std::isinf(fog.radius) ? slab : common(slab, insideSphere(fog.centre, fog.radius, ray));
 }
 
-Interval insideTetrahedron(const Blob& blob, const Ray& ray) {
+Interval insideTetrahedron(const Blob& blob, const SemiAxes* axes, const Ray& ray) {
+    const auto inAxes = [&](glm::dvec3 x) { return axes ? physics::inSemiAxes(x, axes->a, axes->b, axes->c) : x; };
+    const glm::dvec3 origin = inAxes(ray.origin - blob.centre), direction = inAxes(ray.direction);
     Interval inside = kEverywhere;
     for (const glm::dvec3& vertex : kTetrahedron) {
         const glm::dvec3 outward = -vertex / std::sqrt(3.0);
-        inside = common(inside, between(-kInfinity, blob.scale / 3, glm::dot(outward, ray.origin - blob.centre),
-                                        glm::dot(outward, ray.direction)));
+        inside = common(inside,
+                        between(-kInfinity, blob.scale / 3, glm::dot(outward, origin), glm::dot(outward, direction)));
     }
     return inside;
 }
@@ -246,7 +249,7 @@ void shadowEdges(const Blob& tetrahedron, const LightSource& light, const Ray& r
         for (int j = 0; j < i; ++j)
             edgeCrossing(tetrahedron.centre + tetrahedron.scale / std::sqrt(3.0) * kTetrahedron[i],
                          kTetrahedron[i] - kTetrahedron[j], light, ray, t);
-    const Interval faces = insideTetrahedron(tetrahedron, ray); // where the point itself goes in and out
+    const Interval faces = insideTetrahedron(tetrahedron, nullptr, ray); // where the point itself goes in and out
     if (!faces.empty()) t.insert(t.end(), {faces.begin, faces.end});
 }
 

@@ -13,7 +13,8 @@ Interval common(Interval a, Interval b);
 // The part of the whole line through the ray that lies inside; empty if there is none.
 Interval insideSphere(glm::dvec3 centre, double radius, const Ray& ray);
 Interval insideFog(const Fog& fog, const Ray& ray);
-Interval insideTetrahedron(const Blob& blob, const Ray& ray);
+// `axes`: the blob's, along which its tetrahedron is stretched; null: none.
+Interval insideTetrahedron(const Blob& blob, const SemiAxes* axes, const Ray& ray);
 
 // Optical depth of the fog between ray.begin and ray.end, which may be infinite.
 double depthOn(const Fog& fog, const Ray& ray);

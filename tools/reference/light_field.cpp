@@ -37,7 +37,8 @@ double angleBetween(glm::dvec3 a, glm::dvec3 b) { return std::atan2(glm::length(
 
 } // namespace
 
-LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach, double cells)
+LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double reach, double cells,
+                       std::span<const SemiAxes> axes)
     : to_light_(to_light) {
     x_axis_ =
         glm::normalize(glm::cross(to_light, std::abs(to_light.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
@@ -46,7 +47,9 @@ LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double 
 
     double hi_x = -1e300, hi_y = -1e300, reach_sum = 0;
     lo_x_ = lo_y_ = 1e300;
-    for (const Blob& b : blobs) {
+    for (size_t i = 0; i < blobs.size(); ++i) {
+        const Blob& b = blobs[i];
+        if (!axes.empty()) shaped_.push_back({b, axes[i]});
         const Shade shade{
             dot(b.centre, x_axis_), dot(b.centre, y_axis_), dot(b.centre, to_light_), b.k, b.half_line, reach / b.k};
         shades_.push_back(shade);
@@ -58,6 +61,9 @@ LightField::LightField(std::span<const Blob> blobs, glm::dvec3 to_light, double 
     }
     std::sort(shades_.begin(), shades_.end(),
               [](const Shade& a, const Shade& b) { return a.s + a.reach > b.s + b.reach; });
+    std::sort(shaped_.begin(), shaped_.end(), [&](const ShapedBlob& a, const ShapedBlob& b) {
+        return dot(a.blob.centre, to_light_) + reach / a.blob.k > dot(b.blob.centre, to_light_) + reach / b.blob.k;
+    });
 
     cell_ =
         std::max({reach_sum / static_cast<double>(blobs.size()) / cells, (hi_x - lo_x_) / 512, (hi_y - lo_y_) / 512});
@@ -93,13 +99,21 @@ double LightField::depth(glm::dvec3 point) const {
         if (shade.s + shade.reach <= s) break; // this one and all later ones lie behind the point
         const double b2 = (x - shade.x) * (x - shade.x) + (y - shade.y) * (y - shade.y);
         if (b2 >= shade.reach * shade.reach) continue;
+        if (!shaped_.empty()) {
+            const ShapedBlob& shaped = shaped_[listed_[j]];
+            const BlobOnLine on = onLine(shaped.blob, &shaped.axes, point, to_light_);
+            sum += on.half_line * std::exp(-on.k * on.k * on.b2) * (1 + table_.erf(on.k * on.closest));
+            continue;
+        }
         sum += shade.half_line * std::exp(-shade.k * shade.k * b2) * (1 - table_.erf(shade.k * (s - shade.s)));
     }
     return sum;
 }
 
-PointField::PointField(std::span<const Blob> blobs, glm::dvec3 position, double reach) : position_(position) {
+PointField::PointField(std::span<const Blob> blobs, glm::dvec3 position, double reach, std::span<const SemiAxes> axes)
+    : position_(position) {
     for (const Blob& b : blobs) shades_.push_back({b.centre, b.k, b.half_line, reach / b.k});
+    for (size_t i = 0; i < axes.size(); ++i) shaped_.push_back({blobs[i], axes[i]});
     std::vector<std::vector<uint32_t>> lists(size_t{kOctahedron} * kOctahedron);
     for (int y = 0; y < kOctahedron; ++y)
         for (int x = 0; x < kOctahedron; ++x) {
@@ -136,6 +150,13 @@ double PointField::depth(glm::dvec3 point) const {
         const glm::dvec3 off = toward - closest * w;
         const double b2 = glm::dot(off, off);
         if (b2 >= shade.reach * shade.reach || closest - shade.reach > distance) continue;
+        if (!shaped_.empty()) {
+            const ShapedBlob& shaped = shaped_[listed_[j]];
+            const BlobOnLine on = onLine(shaped.blob, &shaped.axes, position_, w);
+            sum += on.half_line * std::exp(-on.k * on.k * on.b2) *
+                   (table_.erf(on.k * (distance - on.closest)) + table_.erf(on.k * on.closest));
+            continue;
+        }
         sum += shade.half_line * std::exp(-shade.k * shade.k * b2) *
                (table_.erf(shade.k * (distance - closest)) + table_.erf(shade.k * closest));
     }

@@ -32,24 +32,22 @@ Lighting::Lighting(const World& world, double reach, bool shadows, double cells)
         Fields& fields = fields_.emplace_back();
         if (!shadows || world.cut_light) continue;
         if (light.kind == Kind::directional)
-            fields.distant.emplace(world.blobs, light.to_light, reach, cells);
+            fields.distant.emplace(world.blobs, light.to_light, reach, cells, world.axes);
         else
-            fields.near.emplace(world.blobs, light.position, reach);
+            fields.near.emplace(world.blobs, light.position, reach, world.axes);
     }
 }
 
 double Lighting::cutDepth(const Ray& toward) const {
     double sum = 0;
-    for (const Blob& b : world_.blobs) {
-        const glm::dvec3 centre = b.centre - toward.origin;
-        const double closest = glm::dot(centre, toward.direction);
-        const glm::dvec3 off = centre - closest * toward.direction;
-        const double b2 = glm::dot(off, off);
-        if (b2 >= b.scale * b.scale) continue;
-        const Interval part = common(insideTetrahedron(b, toward), {toward.begin, toward.end});
+    for (size_t i = 0; i < world_.blobs.size(); ++i) {
+        const Blob& b = world_.blobs[i];
+        const BlobOnLine on = onLine(b, axesOf(world_, i), toward.origin, toward.direction);
+        if (on.b2 * on.k * on.k >= b.scale * b.scale * b.k * b.k) continue;
+        const Interval part = common(insideTetrahedron(b, axesOf(world_, i), toward), {toward.begin, toward.end});
         if (part.empty()) continue;
-        sum += b.half_line * std::exp(-b.k * b.k * b2) *
-               (table_.erf(b.k * (part.end - closest)) - table_.erf(b.k * (part.begin - closest)));
+        sum += on.half_line * std::exp(-on.k * on.k * on.b2) *
+               (table_.erf(on.k * (part.end - on.closest)) - table_.erf(on.k * (part.begin - on.closest)));
     }
     return sum;
 }

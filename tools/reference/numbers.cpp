@@ -24,6 +24,11 @@ void Numbers::add(const UnionMedium& medium) {
     add(balls), add(sigma_t), add(albedo);
 }
 
+void Numbers::add(const SemiAxes& axes) {
+    const auto& [a, b, c] = axes;
+    add(a), add(b), add(c);
+}
+
 void Numbers::add(const TetrahedralMedium::Corner& corner) {
     const auto& [place, sigma_t, albedo] = corner;
     add(place), add(sigma_t), add(albedo);
@@ -72,12 +77,13 @@ void Numbers::add(const std::vector<Element>& list) {
 }
 
 void Numbers::add(const World& world) {
-    const auto& [blobs, support, cut_light, composition, balls, tetrahedra, fogs, lights, obstacles, sheets, zenith,
-                 horizon, haze, ambient, phase, colour] = world;
+    const auto& [blobs, axes, support, cut_light, composition, balls, tetrahedra, fogs, lights, obstacles, sheets,
+                 zenith, horizon, haze, ambient, phase, colour] = world;
     add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs);
     add(lights), add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(phase);
     if (colour != glm::dvec3(1)) add(colour);
     if (!sheets.empty()) add(sheets);
+    if (!axes.empty()) add(axes);
     if (!tetrahedra.cells.empty()) add(tetrahedra);
 }
 

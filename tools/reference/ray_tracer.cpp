@@ -107,19 +107,19 @@ void RayTracer::addSheets(RayResult& result) const {
 
 void RayTracer::gather() {
     crossings_.clear();
-    for (const Blob& b : world_.blobs) {
-        const double reach = stage_.reach / b.k;
-        const glm::dvec3 centre = b.centre - ray_.origin;
-        const double closest = glm::dot(centre, ray_.direction);
-        const glm::dvec3 off = centre - closest * ray_.direction;
-        const double b2 = glm::dot(off, off);
-        if (b2 >= reach * reach) continue;
-        const double half = std::sqrt(reach * reach - b2);
-        Interval part = common({closest - half, closest + half}, {ray_.begin, ray_.end});
-        if (world_.support == Support::tetrahedron) part = common(part, insideTetrahedron(b, ray_));
+    for (size_t i = 0; i < world_.blobs.size(); ++i) {
+        const Blob& b = world_.blobs[i];
+        const SemiAxes* const axes = axesOf(world_, i);
+        const BlobOnLine on = onLine(b, axes, ray_.origin, ray_.direction);
+        const double reach = stage_.reach / on.k;
+        if (on.b2 >= reach * reach) continue;
+        const double half = std::sqrt(reach * reach - on.b2);
+        Interval part = common({on.closest - half, on.closest + half}, {ray_.begin, ray_.end});
+        if (world_.support == Support::tetrahedron) part = common(part, insideTetrahedron(b, axes, ray_));
         if (part.empty()) continue;
-        crossings_.push_back({&b, glm::length(centre), closest, std::exp(-b.k * b.k * b2),
-                              stage_.table.erf(b.k * (part.begin - closest)), part.begin, part.end});
+        crossings_.push_back({&b, glm::length(b.centre - ray_.origin), on.closest, on.k, on.half_line,
+                              std::exp(-on.k * on.k * on.b2), stage_.table.erf(on.k * (part.begin - on.closest)),
+                              part.begin, part.end});
     }
     fog_parts_.clear();
     for (const Fog& fog : world_.fogs) fog_parts_.push_back(common(insideFog(fog, ray_), {ray_.begin, ray_.end}));
@@ -130,7 +130,7 @@ void RayTracer::gather() {
 }
 
 double RayTracer::crossedDepth(const Crossing& c, double t) const {
-    return c.blob->half_line * c.across * (stage_.table.erf(c.blob->k * (t - c.closest)) - c.erf_begin);
+    return c.half_line * c.across * (stage_.table.erf(c.k * (t - c.closest)) - c.erf_begin);
 }
 
 double RayTracer::depthFromBegin(double t) const {
@@ -191,7 +191,7 @@ double RayTracer::finest(double t0, double t1, bool& empty) const {
             std::none_of(ball_parts_.begin(), ball_parts_.end(), holds);
     double k = 0;
     for (const Crossing& c : crossings_)
-        if (c.t0 < t1 && c.t1 > t0) k = std::max(k, c.blob->k);
+        if (c.t0 < t1 && c.t1 > t0) k = std::max(k, c.k);
     if (k > 0) empty = false;
     for (const CellPart& part : cell_parts_) {
         if (!part.holds(t)) continue;
@@ -239,13 +239,13 @@ void RayTracer::addMedia(Panel& panel) const {
     double passed = 0;
     for (const Crossing& c : crossings_) {
         if (c.t0 >= panel.t1) continue;
-        const double half = c.blob->half_line * c.across, peak = c.blob->sigma_t * c.across;
+        const double half = c.half_line * c.across, peak = c.blob->sigma_t * c.across;
         if (c.t1 <= panel.t0) {
             passed += crossedDepth(c, c.t1);
             continue;
         }
         for (int i = 0; i < n; ++i) {
-            const ErfTable::Pair pair = stage_.table.at(c.blob->k * (panel.at(i) - c.closest));
+            const ErfTable::Pair pair = stage_.table.at(c.k * (panel.at(i) - c.closest));
             panel.scattering[i] += peak * pair.gauss * c.blob->albedo;
             panel.depth[i] += half * (pair.erf - c.erf_begin);
         }
@@ -352,12 +352,12 @@ void RayTracer::sumSequential(RayResult& result) {
               [](const Crossing& a, const Crossing& b) { return a.from_origin < b.from_origin; });
     double transmittance = 1;
     for (const Crossing& c : crossings_) {
-        const double half = c.blob->half_line * c.across, peak = c.blob->sigma_t * c.across;
+        const double half = c.half_line * c.across, peak = c.blob->sigma_t * c.across;
         glm::dvec3 scattered(0);
         for (const Panel& panel : panels_) {
             if (c.t0 >= panel.t1 || c.t1 <= panel.t0) continue;
             for (int i = 0; i < panel.rule->size(); ++i) {
-                const ErfTable::Pair pair = stage_.table.at(c.blob->k * (panel.at(i) - c.closest));
+                const ErfTable::Pair pair = stage_.table.at(c.k * (panel.at(i) - c.closest));
                 const double seen = peak * pair.gauss * std::exp(-half * (pair.erf - c.erf_begin));
                 scattered += panel.rule->weight(i) * (panel.t1 - panel.t0) / 2 * seen * panel.source[i];
             }

@@ -69,6 +69,8 @@ private:
         const Blob* blob;
         double from_origin; // m, of the centre
         double closest;     // t of the closest approach
+        double k;           // 1/m, of the particle along the ray
+        double half_line;   // BlobOnLine::half_line
         double across;      // e^(-k^2 b^2)
         double erf_begin;   // erf(k (t - closest)) where the particle, or the ray, begins
         double t0, t1;

@@ -53,8 +53,8 @@ int main(int argc, char** argv) {
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
         const SceneNow& now = simulation.now();
-        reference::World world =
-            reference::worldOf(scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs});
+        reference::World world = reference::worldOf(
+            scene, particles, {now.medium, now.light, now.lists.lights, now.lists.fogs, simulation.axes()});
         if (sequential) world.composition = reference::Composition::sequential;
         if (tetrahedron) world.support = reference::Support::tetrahedron;
         const reference::Camera camera = reference::perspective(

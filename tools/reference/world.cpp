@@ -7,6 +7,7 @@
 
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
+#include "shaders/shared/ellipsoid.h"
 #include "shaders/shared/ground.h"
 #include "shaders/shared/sky.h"
 
@@ -20,6 +21,24 @@ std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double fallo
         blobs.push_back({p.centre, p.scale, k, p.sigma_t, p.sigma_t * kSqrtPi / (2 * k), p.albedo});
     }
     return blobs;
+}
+
+std::vector<SemiAxes> semiAxesOf(std::span<const gpu::EllipsoidAxes> axes) {
+    std::vector<SemiAxes> out;
+    out.reserve(axes.size());
+    for (const gpu::EllipsoidAxes& one : axes) out.push_back({one.a, one.b, one.c});
+    return out;
+}
+
+BlobOnLine onLine(const Blob& blob, const SemiAxes* axes, glm::dvec3 origin, glm::dvec3 direction) {
+    const glm::dvec3 to = blob.centre - origin;
+    if (!axes) {
+        const double closest = glm::dot(to, direction);
+        const glm::dvec3 off = to - closest * direction;
+        return {closest, glm::dot(off, off), blob.k, blob.half_line};
+    }
+    const auto ball = physics::ballOnLine(to, direction, blob.k, axes->a, axes->b, axes->c);
+    return {ball.closest, ball.b2, ball.k, blob.half_line * blob.k / ball.k};
 }
 
 UnionMedium unionOf(std::span<const gpu::Particle> particles, double radius_per_scale, double sigma_t,
@@ -148,7 +167,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     else if (now.medium.model == kTetrahedraMedium)
         world.tetrahedra = tetrahedraOf(particles, scene.tetrahedra->corners);
     else
-        world.blobs = blobsOf(particles, now.medium.falloff);
+        world.blobs = blobsOf(particles, now.medium.falloff), world.axes = semiAxesOf(now.axes);
     world.lights = {directional(now.light)};
     for (const brume::Light& light : now.local_lights) world.lights.push_back(localLight(light));
     for (const brume::Fog& fog : now.fogs)

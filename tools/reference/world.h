@@ -46,6 +46,22 @@ struct Blob {
 };
 std::vector<Blob> blobsOf(std::span<const gpu::Particle> particles, double falloff);
 
+// Semi-axes of a particle that is no ball (shaders/shared/ellipsoid.h). Its Blob's k and half_line are of the longest.
+struct SemiAxes {
+    glm::dvec3 a, b, c;
+};
+std::vector<SemiAxes> semiAxesOf(std::span<const gpu::EllipsoidAxes> axes);
+
+// A particle on a line from `origin` along the unit `direction`.
+struct BlobOnLine {
+    double closest;   // m along the line, of the closest approach
+    double b2;        // m^2, squared distance there
+    double k;         // 1/m, along the line
+    double half_line; // optical depth from the closest approach outward, if the line met the centre
+};
+// `axes`: the particle's; null: it is a ball.
+BlobOnLine onLine(const Blob& blob, const SemiAxes* axes, glm::dvec3 origin, glm::dvec3 direction);
+
 enum class Support { full, tetrahedron };
 enum class Composition {
     overlapping, // the true medium: extinctions add up
@@ -139,6 +155,7 @@ Sheet sheetOf(const Glass& glass);
 
 struct World {
     std::vector<Blob> blobs;
+    std::vector<SemiAxes> axes;                         // of each blob; empty: all are balls
     Support support = Support::full;                    // of the blobs along view rays
     bool cut_light = false;                             // True, with Support::tetrahedron: light depth is cut, too
     Composition composition = Composition::overlapping; // sequential: only worlds of blobs
@@ -156,6 +173,8 @@ struct World {
 };
 // True: the extinction of some medium differs among red, green and blue.
 bool isColoured(const World& world);
+// Semi-axes of blob `i`; null: it is a ball.
+inline const SemiAxes* axesOf(const World& world, size_t i) { return world.axes.empty() ? nullptr : &world.axes[i]; }
 // The world as one channel (0, 1, 2: red, green, blue) sees it: not coloured.
 World inChannel(const World& world, int channel);
 
@@ -166,6 +185,7 @@ struct Present {
     const brume::Light& light;
     std::span<const brume::Light> local_lights;
     std::span<const brume::Fog> fogs;
+    std::span<const gpu::EllipsoidAxes> axes = {}; // Simulation::axes()
 };
 // The world of a scene as the server renders it.
 World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, const Present& now);

@@ -54,13 +54,13 @@ public:
     }
 
     // The particles' depths toward the lights.
-    void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& /*tick*/) override {
+    void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
         const auto has_volume = [](const gpu::LocalLight& light) { return light.volume != gpu::kNoVolume; };
         if (std::ranges::none_of(blocks_, has_volume)) return;
         if (!depths_made_for_.outdated({in.all.version, blocks_})) return;
         const gpu::Commands::Pass pass(commands, "local light depth");
         gpu::everythingBefore(commands.handle());
-        depths_program_.with().bind(commands, in.all.resources, {});
+        depths_program_.with({{gpu::kIdEllipsoids, tick.features.ellipsoids}}).bind(commands, in.all.resources, {});
         vkCmdDispatch(commands.handle(), gpu::kMostLightSide / 8, gpu::kMostLightSide / 8, uint32_t(blocks_.size()));
         gpu::everythingBefore(commands.handle());
     }

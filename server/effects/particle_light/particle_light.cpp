@@ -6,8 +6,9 @@
 
 namespace brume {
 
-ParticleLight::ParticleLight(const gpu::Device& device, uint32_t capacity)
-    : program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, particle_light_comp, "particle_light"}),
+ParticleLight::ParticleLight(const gpu::Device& device, uint32_t capacity, bool ellipsoids)
+    : program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, particle_light_comp, "particle_light"},
+               {{gpu::kIdEllipsoids, ellipsoids}}),
       lights_(device, std::max(capacity, 1u) * sizeof(gpu::ParticleLight),
               VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT, gpu::Memory::device,
               "particle light") {}

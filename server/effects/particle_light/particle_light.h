@@ -12,7 +12,8 @@ namespace brume {
 
 class ParticleLight {
 public:
-    ParticleLight(const gpu::Device& device, uint32_t capacity);
+    // For at most `capacity` particles. `ellipsoids`: SceneFeatures::ellipsoids.
+    ParticleLight(const gpu::Device& device, uint32_t capacity, bool ellipsoids = false);
 
     // Records the light of `count` particles. A particle whose fit errs by more than `tolerance` (of the light's
     // transmittance, 0 ... 1) gets gpu::kLookUp. Precondition: the shadow volume is recorded. Its writes are then

@@ -8,14 +8,16 @@ namespace {
 
 class ParticleLightEffect final : public Effect {
 public:
-    explicit ParticleLightEffect(const EffectContext& context) : device_(context.device), capacity_(context.capacity) {}
+    explicit ParticleLightEffect(const EffectContext& context)
+        : device_(context.device), capacity_(context.capacity),
+          ellipsoids_(context.scene.medium.model == kEllipsoidMedium) {}
 
     void recordHue(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
         if (!in.needs.particle_light || in.needs.union_path) return;
         const float tolerance = tick.settings->tiles.light_tolerance;
         for (size_t i = 0; i < in.seen.size(); ++i) {
             MediumView& medium = *in.seen[i];
-            if (i == lists_.size()) lists_.push_back({ParticleLight(device_, capacity_), {}});
+            if (i == lists_.size()) lists_.push_back({ParticleLight(device_, capacity_, ellipsoids_), {}});
             if (lists_[i].made_for.outdated({versionsOf(tick, medium), tolerance}))
                 lists_[i].light.record(commands, medium.resources, medium.count, tolerance);
             medium.resources.give(gpu::storageBuffer("ParticleLights", lists_[i].light.buffer()));
@@ -35,6 +37,7 @@ private:
 
     const gpu::Device& device_;
     const uint32_t capacity_;
+    const bool ellipsoids_;
     std::vector<List> lists_; // in the order of EffectInputs::seen
 };
 

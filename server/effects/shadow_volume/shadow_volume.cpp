@@ -29,14 +29,19 @@ bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
 
 } // namespace
 
-ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity)
+ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids)
     : device_(device), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
-                                  {{gpu::kIdLanes, device.lanesTogether()}}),
+                                  {{gpu::kIdLanes, device.lanesTogether()}, {gpu::kIdEllipsoids, ellipsoids}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
-              {{gpu::kIdLanes, device.lanesTogether()}, {gpu::kIdLockstep, device.lockstep()}}),
+              {{gpu::kIdLanes, device.lanesTogether()},
+               {gpu::kIdLockstep, device.lockstep()},
+               {gpu::kIdEllipsoids, ellipsoids}}),
       tetrahedra_(device, tetrahedra_shadow_comp, "tetrahedra_shadow") {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
+    if (ellipsoids)
+        light_skews_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::Skew),
+                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light skews");
 }
 
 void ShadowVolume::makeImage(VkCommandBuffer cmd, const gpu::Tick& tick) {
@@ -97,14 +102,15 @@ void ShadowVolume::recordParticles(gpu::Commands& commands, const gpu::Resources
                   gpu::Memory::device, "shadow bins");
     vkCmdFillBuffer(cmd, bins_.handle(), 0, bytes, 0);
     gpu::transferToCompute(cmd);
-    particles_.bind(commands, shared, {storageBuffer("LightParticles", light_particles_), storageBuffer("Bins", bins_)},
-                    tiles);
+    const gpu::Resource skews = storageBuffer("LightSkews", light_skews_ ? light_skews_ : light_particles_);
+    particles_.bind(commands, shared,
+                    {storageBuffer("LightParticles", light_particles_), skews, storageBuffer("Bins", bins_)}, tiles);
     vkCmdDispatch(cmd, gpu::groups(particles, 32), 1, 1);
     gpu::computeToCompute(cmd);
     inBands(cmd, tick, [&](uint32_t first, uint32_t rows) {
         const Band band{tiles, first, rows};
         volume_.bind(commands, shared,
-                     {storageBuffer("LightParticles", light_particles_), storageBuffer("Bins", bins_),
+                     {storageBuffer("LightParticles", light_particles_), skews, storageBuffer("Bins", bins_),
                       storageBuffer("Texels", texels_)},
                      band);
         vkCmdDispatch(cmd, gpu::groups(tiles.x * rows, 8) * 8, 1, 1);

@@ -13,12 +13,13 @@ namespace brume {
 
 class ShadowVolume {
 public:
-    ShadowVolume(const gpu::Device& device, uint32_t capacity);
+    // For at most `capacity` particles. `ellipsoids`: SceneFeatures::ellipsoids.
+    ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids = false);
 
     // Records the volume of the tick's particles, or of the tetrahedra between them, unless the image holds it already.
-    // `shared`: TickBlock and Particles. `same_particles`: true if the particles are those of the last call; light and
-    // resolution are compared here. Returns true if something was recorded. Its writes are then visible to compute and
-    // draws. Makes a new image if the size changed; precondition: the device does not use the old one.
+    // `shared`: TickBlock, Particles and Axes. `same_particles`: true if the particles are those of the last call;
+    // light and resolution are compared here. Returns true if something was recorded. Its writes are then visible to
+    // compute and draws. Makes a new image if the size changed; precondition: the device does not use the old one.
     bool record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
                 bool same_particles = false, const TetrahedraBuffers* tetrahedra = nullptr);
 
@@ -38,7 +39,7 @@ private:
     const gpu::Device& device_;
     gpu::ComputeProgram particles_, volume_;
     gpu::Variants tetrahedra_;
-    gpu::Buffer light_particles_, bins_, texels_;
+    gpu::Buffer light_particles_, light_skews_, bins_, texels_;
     gpu::Image image_;
     gpu::Tick last_{};
 };

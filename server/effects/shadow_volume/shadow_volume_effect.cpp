@@ -9,7 +9,8 @@ namespace {
 class ShadowVolumeEffect final : public Effect {
 public:
     explicit ShadowVolumeEffect(const EffectContext& context)
-        : volume_(context.device, context.capacity), linear_(context.device, VK_FILTER_LINEAR) {}
+        : volume_(context.device, context.capacity, context.scene.medium.model == kEllipsoidMedium),
+          linear_(context.device, VK_FILTER_LINEAR) {}
 
     void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
         if (volume_.record(commands, in.all.resources, *tick.tick, !in.moved, tick.tetrahedra)) ++version_;

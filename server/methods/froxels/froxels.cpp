@@ -26,8 +26,8 @@ constexpr float kFrustumPart = 0.333f;
 class Froxels : public FroxelVolume {
 public:
     explicit Froxels(const MethodContext& context)
-        : FroxelVolume(context), nodes_(context.device), grid_(context.device), frusta_(context.device),
-          history_(context.device), program_(context.device, froxels_comp, "froxels") {}
+        : FroxelVolume(context), nodes_(context.device, context.features.ellipsoids), grid_(context.device),
+          frusta_(context.device), history_(context.device), program_(context.device, froxels_comp, "froxels") {}
 
     std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
         history_.forgetOld();

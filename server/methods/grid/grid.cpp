@@ -10,7 +10,8 @@ namespace {
 class Grid : public SlabRays {
 public:
     explicit Grid(const MethodContext& context)
-        : SlabRays(context), medium_(context.device), rays_(context.device, grid_rays_comp, "grid_rays") {}
+        : SlabRays(context), medium_(context.device, context.features.ellipsoids),
+          rays_(context.device, grid_rays_comp, "grid_rays") {}
 
     MethodNeeds needs() const override { return {.one_medium = true, .writes_target = false}; }
     void recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) override {

@@ -24,8 +24,10 @@ bool same(const gpu::MediumGrid& a, const gpu::MediumGrid& b) {
 
 } // namespace
 
-GridPass::GridPass(const gpu::Device& device)
-    : device_(device), bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"}),
+GridPass::GridPass(const gpu::Device& device, bool ellipsoids)
+    : device_(device), ellipsoids_(ellipsoids),
+      bins_program_(device, {VK_SHADER_STAGE_COMPUTE_BIT, grid_bins_comp, "grid_bins"},
+                    {{gpu::kIdEllipsoids, ellipsoids}}),
       program_(device, grid_fill_comp, "grid_fill") {
     // A medium that moves may get coarse nodes, and lose them: all programs are compiled at once.
     coarseProgram(), fineProgram(true), fineProgram(false);
@@ -34,6 +36,7 @@ GridPass::GridPass(const gpu::Device& device)
 const gpu::Program& GridPass::coarseProgram() {
     return program_.with({{gpu::kIdLanes, device_.lanesTogether()},
                           {gpu::kIdLockstep, device_.lockstep()},
+                          {gpu::kIdEllipsoids, ellipsoids_},
                           {gpu::kIdCoarse, true},
                           {gpu::kIdHasCoarse, true}});
 }
@@ -41,6 +44,7 @@ const gpu::Program& GridPass::coarseProgram() {
 const gpu::Program& GridPass::fineProgram(bool has_coarse) {
     return program_.with({{gpu::kIdLanes, device_.lanesTogether()},
                           {gpu::kIdLockstep, device_.lockstep()},
+                          {gpu::kIdEllipsoids, ellipsoids_},
                           {gpu::kIdCoarse, false},
                           {gpu::kIdHasCoarse, has_coarse}});
 }
@@ -55,6 +59,10 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     const glm::uvec3 bricks = grid.bricks, coarse = coarseBricks(grid);
     const VkDeviceSize member_bytes = std::max<VkDeviceSize>(in.count * sizeof(gpu::SlabMember), 256);
     members_.atLeast(device_, member_bytes, kGridBuffer, gpu::Memory::device, "grid members");
+    if (ellipsoids_)
+        skews_.atLeast(device_, std::max<VkDeviceSize>(in.count * sizeof(gpu::Skew), 256), kGridBuffer,
+                       gpu::Memory::device, "grid skews");
+    const gpu::Resource skews = gpu::storageBuffer("Skews", ellipsoids_ ? skews_ : members_);
     const VkDeviceSize bin_bytes =
         std::max<VkDeviceSize>(lineBinBytes(linesOf(bricks) + linesOf(coarse), in.count), 256);
     bins_.atLeast(device_, bin_bytes, kGridBuffer, gpu::Memory::device, "grid bins");
@@ -72,7 +80,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
         vkCmdFillBuffer(cmd, bins_.handle(), 0, bin_bytes, 0);
         gpu::transferToCompute(cmd);
         bins_program_.bind(commands, in.resources,
-                           {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Bins", bins_),
+                           {gpu::storageBuffer("Members", members_), skews, gpu::storageBuffer("Bins", bins_),
                             gpu::storageBuffer("Marks", marks_)},
                            grid);
         vkCmdDispatch(cmd, words, 1, 1);
@@ -81,7 +89,7 @@ void GridPass::record(gpu::Commands& commands, const MediumView& in, const Rende
     const auto fill = [&](const gpu::Program& program, glm::uvec3 size, const gpu::Buffer& into,
                           const gpu::Buffer& from) {
         program.bind(commands, in.resources,
-                     {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Nodes", into),
+                     {gpu::storageBuffer("Members", members_), skews, gpu::storageBuffer("Nodes", into),
                       gpu::storageBuffer("Bins", bins_), gpu::storageBuffer("Marks", marks_),
                       gpu::storageBuffer("CoarseNodes", from)},
                      grid);

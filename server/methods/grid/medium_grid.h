@@ -12,7 +12,8 @@ namespace brume {
 
 class GridPass {
 public:
-    explicit GridPass(const gpu::Device& device);
+    // `ellipsoids`: SceneFeatures::ellipsoids.
+    GridPass(const gpu::Device& device, bool ellipsoids);
 
     // Records the grid, unless medium.version and the grid's shape are those of the last call. A grid that is refused
     // is made so coarse that it fits: no frame fails for it. Preconditions: there are particles; nothing of the grid's
@@ -31,9 +32,10 @@ private:
     const gpu::Program& fineProgram(bool has_coarse); // fills the others. has_coarse: true if there are coarse nodes
 
     const gpu::Device& device_;
+    const bool ellipsoids_;
     gpu::ComputeProgram bins_program_;
     gpu::Variants program_;
-    gpu::Buffer members_, bins_, nodes_, coarse_nodes_, marks_;
+    gpu::Buffer members_, skews_, bins_, nodes_, coarse_nodes_, marks_;
     gpu::MediumGrid grid_{};
     std::optional<uint64_t> version_; // of the particles that the nodes hold
     bool one_albedo_ = true;

@@ -39,6 +39,7 @@ public:
                "'";
     }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
+    bool draws(std::string_view model) const override { return model == kSumMedium || model == kEllipsoidMedium; }
 
     void addWays(const PlanScene&, const RenderSettings& wanted, bool asked, std::vector<RenderSettings>& ways,
                  std::string&) const override {

@@ -6,7 +6,8 @@
 namespace brume {
 
 LitRays::LitRays(const MethodContext& context)
-    : FroxelVolume(context), nodes_(context.device), program_(context.device, lit_rays_comp, "lit_rays") {}
+    : FroxelVolume(context), nodes_(context.device, context.features.ellipsoids),
+      program_(context.device, lit_rays_comp, "lit_rays") {}
 
 void LitRays::recordTick(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium) {
     nodes_.record(commands, medium, *tick.settings, true);

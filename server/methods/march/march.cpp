@@ -44,8 +44,8 @@ uint32_t bandRows(glm::uvec2 size) {
 class March final : public Method {
 public:
     explicit March(const MethodContext& context)
-        : device_(context.device), nodes_(context.device), march_(context.device, march_comp, "march"),
-          blur_(context.device, bilateral_comp, "bilateral"),
+        : device_(context.device), nodes_(context.device, context.features.ellipsoids),
+          march_(context.device, march_comp, "march"), blur_(context.device, bilateral_comp, "bilateral"),
           resolve_(context.device, march_resolve_comp, "march_resolve") {}
 
     MethodNeeds needs() const override { return {.one_medium = true, .every_pixel = true}; }

@@ -61,6 +61,7 @@ public:
     bool hasRays() const override { return true; }
     bool drawsFogAndLocalLights() const override { return true; }
     bool drawsMultiple() const override { return true; }
+    bool draws(std::string_view model) const override { return model == kSumMedium || model == kEllipsoidMedium; }
     uint32_t shaders(const RenderSettings& settings) const override { return scatteringShaders(settings); }
     std::optional<double> error(const RenderSettings& settings, const ViewWork& view) const override;
     std::optional<RenderSettings> coarser(const RenderSettings& settings, Coarser direction) const override;

@@ -16,7 +16,9 @@ constexpr uint32_t kGroupsOfCpu = 24, kGroupsOfGpu = 1 << 14;
 class Slabs : public SlabRays {
 public:
     explicit Slabs(const MethodContext& context)
-        : SlabRays(context), bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"}),
+        : SlabRays(context), ellipsoids_(context.features.ellipsoids),
+          bins_program_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, slab_bins_comp, "slab_bins"},
+                        {{gpu::kIdEllipsoids, ellipsoids_}}),
           slabs_(device_, slabs_comp, "slabs"), light_(device_, slab_light_comp, "slab_light") {}
 
 private:
@@ -29,6 +31,7 @@ private:
 
     void growOwn(const Elements& elements) override {
         grow(members_, elements.members * sizeof(gpu::SlabMember), "slab members");
+        if (ellipsoids_) grow(skews_, elements.members * sizeof(gpu::Skew), "slab skews");
         grow(bins_, elements.bins * sizeof(uint32_t), "slab bins");
         grow(added_, elements.added * sizeof(glm::vec4), "slab extinction");
     }
@@ -46,7 +49,7 @@ private:
             if (group.bins > 0) vkCmdFillBuffer(cmd, bins_.handle(), 0, group.bins * sizeof(uint32_t), 0);
             gpu::transferToCompute(cmd);
             bins_program_.bind(commands, group.resources,
-                               {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Bins", bins_)});
+                               {gpu::storageBuffer("Members", members_), skews(), gpu::storageBuffer("Bins", bins_)});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 32), 1, group.count());
             gpu::computeToCompute(cmd);
         }
@@ -61,7 +64,7 @@ private:
                 .with(constantsOf(group),
                       {{gpu::kIdLanes, device_.lanesTogether()}, {gpu::kIdLockstep, device_.lockstep()}})
                 .bind(commands, group.resources,
-                      {gpu::storageBuffer("Members", members_), gpu::storageBuffer("Added", added_),
+                      {gpu::storageBuffer("Members", members_), skews(), gpu::storageBuffer("Added", added_),
                        gpu::storageBuffer("Bins", bins_)},
                       push);
             vkCmdDispatch(cmd, columns, rows, push.parts * push.quantities * group.count());
@@ -83,9 +86,13 @@ private:
         return std::min(gpu::groups(sheets, parts), gpu::kMostTogether);
     }
 
+    // Of ellipsoids; otherwise nothing reads what stands in.
+    gpu::Resource skews() const { return gpu::storageBuffer("Skews", ellipsoids_ ? skews_ : members_); }
+
+    const bool ellipsoids_;
     gpu::ComputeProgram bins_program_;
     gpu::Variants slabs_, light_;
-    gpu::Buffer members_, bins_, added_;
+    gpu::Buffer members_, skews_, bins_, added_;
 };
 
 } // namespace

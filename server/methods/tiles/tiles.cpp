@@ -29,9 +29,9 @@ class Tiles : public Method {
 public:
     explicit Tiles(const MethodContext& context)
         : device_(context.device), order_(context.depth_order), cached_(context.settings.tiles.quadrature == "cached"),
-          path_(context.settings.tiles.light == "path"),
+          path_(context.settings.tiles.light == "path"), ellipsoids_(context.features.ellipsoids),
           project_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_project_comp, "tiles_project"},
-                   {{gpu::kIdCached, cached_}}),
+                   {{gpu::kIdCached, cached_}, {gpu::kIdEllipsoids, ellipsoids_}}),
           bin_(device_, {VK_SHADER_STAGE_COMPUTE_BIT, tiles_bin_comp, "tiles_bin"}),
           tiles_(device_, tiles_comp, "tiles") {}
 
@@ -55,6 +55,7 @@ public:
         for (block_ = kBlock; most() > kMostMaskBytes;) block_ = {block_.width * 2, block_.height * 2};
         grow(masks_, most(), "splat masks");
         grow(splats_, capacity * sizeof(gpu::Splat), "splats");
+        if (ellipsoids_) grow(ways_, capacity * sizeof(gpu::SplatWay), "splat ways");
         grow(cones_, capacity * sizeof(gpu::SplatCone), "splat cones");
         return Method::prepare(eyes);
     }
@@ -70,10 +71,12 @@ public:
             in.shared->settings->tiles.least_transmittance};
         const gpu::Resource arguments = storageBuffer("Arguments", order_.arguments()),
                             cones = storageBuffer("Cones", cones_), splats = storageBuffer("Splats", splats_),
+                            ways = storageBuffer("Ways", ellipsoids_ ? ways_ : splats_),
                             masks = storageBuffer("Masks", masks_);
         {
             const gpu::Commands::Pass pass(commands, "bin", in.view);
-            project_.bind(commands, in.resources, {storageBuffer("Order", order_.order()), arguments, cones, splats});
+            project_.bind(commands, in.resources,
+                          {storageBuffer("Order", order_.order()), arguments, cones, splats, ways});
             vkCmdDispatch(cmd, gpu::groups(in.medium->count, 64), 1, 1);
             gpu::computeToCompute(cmd);
             bin_.bind(commands, in.resources, {arguments, cones, masks}, grid);
@@ -89,7 +92,7 @@ public:
                    {gpu::kIdCached, cached_},
                    {gpu::kIdPixelsPerLane, pixels},
                    {gpu::kIdTileLanes, kTile.width * kTile.height / pixels}})
-            .bind(commands, in.resources, {arguments, cones, splats, masks}, grid);
+            .bind(commands, in.resources, {arguments, cones, splats, ways, masks}, grid);
         vkCmdDispatch(cmd, gpu::groups(in.size.width, kTile.width), gpu::groups(in.size.height, kTile.height), 1);
         gpu::computeToCompute(cmd);
     }
@@ -106,10 +109,10 @@ private:
 
     const gpu::Device& device_;
     DepthOrder& order_;
-    const bool cached_, path_;
+    const bool cached_, path_, ellipsoids_;
     gpu::ComputeProgram project_, bin_;
     gpu::Variants tiles_;
-    gpu::Buffer splats_, cones_, masks_;
+    gpu::Buffer splats_, ways_, cones_, masks_;
     VkExtent2D block_ = kBlock;
 };
 

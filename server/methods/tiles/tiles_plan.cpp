@@ -25,7 +25,9 @@ public:
     std::string text(const RenderSettings& s) const override {
         return "tiles, " + s.tiles.quadrature + (behindBalls(s) ? " behind the union of balls" : "");
     }
-    bool draws(std::string_view model) const override { return model == kSumMedium || model == kUnionMedium; }
+    bool draws(std::string_view model) const override {
+        return model == kSumMedium || model == kEllipsoidMedium || model == kUnionMedium;
+    }
     uint64_t bytesPerParticle() const override { return sizeof(gpu::Splat) + sizeof(gpu::SplatCone); }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
 
