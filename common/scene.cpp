@@ -17,6 +17,7 @@
 #include "common/tetrahedra.h"
 #include "common/text.h"
 #include "common/toml_text.h"
+#include "common/volume/volume.h"
 
 namespace brume {
 
@@ -109,34 +110,44 @@ bool isPattern(const std::string& name) {
 void readMedium(TableReader& in, const SettingReader& read, Medium& out, const glm::dvec3& origin) {
     const SceneParts parts{.medium = &out};
     read.readOne(in, "medium.layout", parts); // what the centre is depends on it
-    const bool sequence = out.layout == Layout::sequence, from_file = out.layout == Layout::file || sequence,
-               live = out.layout == Layout::live, emitted = out.layout == Layout::emitter;
+    const bool sequence = out.layout == Layout::sequence, volume = out.layout == Layout::volume,
+               from_file = isFromFiles(out.layout), live = out.layout == Layout::live,
+               emitted = out.layout == Layout::emitter;
     read.readTable(in, "medium", parts, from_file || live ? nullptr : &origin);
     in.table("emitter", [&](TableReader& r) { read.readTable(r, "medium.emitter", parts, &origin); });
 
     out.scale_by_spacing = from_file && !in.has("scale");
     out.extinction_by_depth = from_file && !in.has("extinction");
+    if (volume != (out.model == kVolumeMedium) && in.has("model"))
+        in.fail("model",
+                "\"" + out.model + "\" is not of layout \"" + std::string(volume ? "volume" : "another") + "\"",
+                volume ? "\"volume\", or none" : "\"volume\" only with layout = \"volume\"");
+    if (volume) out.model = kVolumeMedium;
     const std::string name = out.file.filename().string();
     if ((out.model == kTetrahedraMedium || out.model == kEllipsoidMedium) && out.layout != Layout::file)
         in.fail("model", "\"" + out.model + "\" come from a file", "only with layout = \"file\"");
     if (from_file && out.file.empty())
-        in.fail("layout", sequence ? "\"sequence\" without files" : "\"file\" without a file",
+        in.fail("layout",
+                sequence ? "\"sequence\" without files"
+                : volume ? "\"volume\" without a file"
+                         : "\"file\" without a file",
                 sequence ? "with the key file, like \"smoke-####.ply\", beside the scene"
+                : volume ? "with the key file, a volume of the format NRRD beside the scene"
                          : "with the key file, a PLY beside the scene");
     if (sequence && !isPattern(name))
         in.fail("file", "\"" + name + "\" is no name of numbered files",
                 "a run of 1 to 9 #, one for each digit, like \"smoke-####.ply\"");
     if (!from_file && in.has("file"))
-        in.fail("file", "not used by this layout", "only with layout = \"file\" or \"sequence\"");
+        in.fail("file", "not used by this layout", "only with layout = \"file\", \"sequence\" or \"volume\"");
     for (const char* key : {"unit", "up", "far_points"})
-        if (!from_file && in.has(key))
+        if (in.has(key) && (!from_file || (volume && key == std::string_view("far_points"))))
             in.fail(key, "not used by this layout", "only with layout = \"file\" or \"sequence\"");
     for (const char* key : {"rate", "loop"})
         if (!sequence && in.has(key)) in.fail(key, "not used by this layout", "only with layout = \"sequence\"");
     if (out.layout == Layout::none && in.has("count"))
         in.fail("count", "not used by this layout", "none: there are no particles");
     if (from_file && in.has("count"))
-        in.fail("count", "not used by this layout", "none: the file says how many points it has");
+        in.fail("count", "not used by this layout", "none: the file says how many there are");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");
     if (emitted && static_cast<double>(out.emitter.rate) * out.emitter.life > out.count)
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
@@ -144,9 +155,10 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
                     " to " + std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
 }
 
-// Null with another model. Those of a file that is still in use are not read again while it is the same: a server
-// reads a scene several times, and half a million tetrahedra take seconds.
-std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
+// What `load` makes of a medium's file. That of a file that is still in use is not read again while it is the same: a
+// server reads a scene several times, and half a million tetrahedra take seconds.
+template <class T, class Load>
+std::shared_ptr<const T> keptOf(const Medium& medium, const glm::dvec3& origin, const Load& load) {
     struct Source {
         std::filesystem::path file;
         uintmax_t bytes = 0;
@@ -156,19 +168,33 @@ std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::
     };
     static std::mutex mutex;
     static Source last;
-    static std::weak_ptr<const Tetrahedra> kept;
-    if (medium.model != kTetrahedraMedium) return nullptr;
+    static std::weak_ptr<const T> kept;
     std::error_code error;
     const Source now{medium.file, std::filesystem::file_size(medium.file, error),
                      std::filesystem::last_write_time(medium.file, error), frameOf(medium, origin)};
     const std::scoped_lock lock(mutex);
     if (!error && now == last)
         if (auto same = kept.lock()) return same;
-    PointCloud cloud = loadPly(medium.file, frameOf(medium, origin), {.tetrahedra = true});
-    auto read = std::make_shared<const Tetrahedra>(
-        connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex));
+    auto read = std::make_shared<const T>(load(now.frame));
     last = now, kept = read;
     return read;
+}
+
+// Null with another model.
+std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
+    if (medium.model != kTetrahedraMedium) return nullptr;
+    return keptOf<Tetrahedra>(medium, origin, [&](const PlyFrame& frame) {
+        PointCloud cloud = loadPly(medium.file, frame, {.tetrahedra = true});
+        return connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex);
+    });
+}
+
+// Null with another layout.
+std::shared_ptr<const Volume> volumeOf(const Medium& medium, const glm::dvec3& origin) {
+    if (medium.layout != Layout::volume) return nullptr;
+    return keptOf<Volume>(medium, origin, [&](const PlyFrame& frame) {
+        return loadVolume(medium.file, frame, uint64_t(limits::kVolumeNodes.hi));
+    });
 }
 
 // Near the points of the medium's file.
@@ -182,7 +208,7 @@ glm::dvec3 originOf(const TableReader& in, const Medium& medium) {
 
 // Refuses what is drawn beside a sum of Gaussians only.
 void refuseBesides(const TableReader& in, const Scene& scene) {
-    if (isSum(scene.medium)) return;
+    if (isMixable(scene.medium)) return;
     const auto fail = [&](const char* key, const std::string& what) {
         in.fail(key, what + " drawn with medium.model = \"" + scene.medium.model + "\"",
                 "only with medium.model = \"sum\"");
@@ -289,6 +315,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
               [&](TableReader& r, Glass& glass) { read.readTable(r, "glass", {.glass = &glass}, &origin); });
     refuseBesides(in, out);
     out.tetrahedra = tetrahedraOf(out.medium, origin);
+    out.volume = volumeOf(out.medium, origin);
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
     in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
     out.camera_by_points = !out.medium.file.empty() && !in.has("camera");

@@ -19,7 +19,11 @@ struct Range {
     float lo = 0, hi = 0;
 };
 
-enum class Layout { cube, tubes, cumulus, emitter, file, sequence, live, none };
+enum class Layout { cube, tubes, cumulus, emitter, file, sequence, volume, live, none };
+// True: what there is comes from files.
+inline bool isFromFiles(Layout layout) {
+    return layout == Layout::file || layout == Layout::sequence || layout == Layout::volume;
+}
 
 // Births per second from a disc; every particle rises, grows, thins (its optical mass is conserved) and dies at its
 // life's end.
@@ -47,7 +51,7 @@ struct PhaseSettings {
 };
 
 inline constexpr const char *kSumMedium = "sum", *kEllipsoidMedium = "ellipsoids", *kUnionMedium = "union",
-                            *kTetrahedraMedium = "tetrahedra";
+                            *kTetrahedraMedium = "tetrahedra", *kVolumeMedium = "volume";
 
 struct Medium : PhaseSettings {
     Layout layout = Layout::cube;
@@ -212,10 +216,13 @@ struct SceneCamera {
     float fov_y = 0.8f;
 };
 
-// True: particles are Gaussians, balls or not, whose extinctions add up.
-inline bool isSum(const Medium& medium) { return medium.model == kSumMedium || medium.model == kEllipsoidMedium; }
+// True: fog, points and spots, and meshes may be in the medium: it is no union of balls, and not of tetrahedra.
+inline bool isMixable(const Medium& medium) {
+    return medium.model != kUnionMedium && medium.model != kTetrahedraMedium;
+}
 
 struct Tetrahedra; // common/tetrahedra.h
+struct Volume;     // common/volume/volume.h
 
 struct Scene {
     std::string name;
@@ -225,6 +232,7 @@ struct Scene {
     glm::dvec3 origin{0};
     Medium medium;
     std::shared_ptr<const Tetrahedra> tetrahedra; // of the medium's file; null with another model
+    std::shared_ptr<const Volume> volume;         // of the medium's file; null with another layout
     SimulationSettings simulation;
     std::vector<Light> lights; // at most one that is directional, and limits::kLocalLights others
     std::vector<Fog> fogs;     // at most limits::kFogs

@@ -26,7 +26,8 @@ inline constexpr Limits kFalloff{0.1, 10};   // 000's slider ends at 10; at 0 a 
 inline constexpr Limits kHaze{0, 1e3};       // 1/m
 inline constexpr Limits kExtinction{0, 1e5}; // 000's slider ends at 100, which is thin for particles of centimetres
 inline constexpr Limits kMultiplier{0, 1e3};
-inline constexpr Limits kSigmaT{0, 1e4}; // 1/m, a point's own
+inline constexpr Limits kSigmaT{0, 1e4};           // 1/m, a point's own
+inline constexpr Limits kVolumeNodes{1, 25165824}; // of a volume: they fill gpu::kLargestBinding
 inline constexpr Limits kAnisotropy{0, 1};
 inline constexpr Limits kAsymmetry{-0.99, 0.99};
 inline constexpr Limits kDroplet{5, 50};                                             // micrometres; the fit's range

@@ -126,9 +126,7 @@ private:
         if (medium.layout == Layout::emitter) table("medium.emitter", parts, defaults);
     }
 
-    bool isFromFiles() const {
-        return scene_.medium.layout == Layout::file || scene_.medium.layout == Layout::sequence;
-    }
+    bool isFromFiles() const { return brume::isFromFiles(scene_.medium.layout); }
 
     // Keys that the medium's layout does not allow, or that would say what the server found out by itself.
     bool isNotSaid(const SceneSetting& setting) const {

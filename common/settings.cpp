@@ -12,9 +12,9 @@ namespace {
 
 using namespace setting_rows;
 
-constexpr std::string_view kLayouts[]{"cube", "tubes",    "cumulus", "emitter",
-                                      "file", "sequence", "live",    "none"}; // in the order of Layout
-constexpr std::string_view kModels[]{kSumMedium, kEllipsoidMedium, kUnionMedium, kTetrahedraMedium};
+constexpr std::string_view kLayouts[]{"cube",     "tubes",  "cumulus", "emitter", "file",
+                                      "sequence", "volume", "live",    "none"}; // in the order of Layout
+constexpr std::string_view kModels[]{kSumMedium, kEllipsoidMedium, kUnionMedium, kTetrahedraMedium, kVolumeMedium};
 constexpr std::string_view kPhases[]{kMixturePhase, kDoublePhase, kRayleighPhase, kDropletPhase};
 constexpr std::string_view kUps[]{"y", "z", "x", "-y"}, kFarPoints[]{"keep", "drop"};
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
@@ -61,7 +61,8 @@ constexpr SceneSetting kBeforeMethods[]{
     {"medium.model", at<&P::medium, &Medium::model>, "", kNone,
      "What particles are: Gaussians whose extinctions add up (`sum`), such Gaussians with three axes, which come with "
      "the file's points (`ellipsoids`), balls, with the same extinction wherever at least one of them is (`union`), "
-     "or corners of the file's `tetrahedra`, with linear extinction within each",
+     "or corners of the file's `tetrahedra`, with linear extinction within each. Layout `volume` has no particles: its "
+     "model is `volume`",
      kNobody, Form::plain, kModels},
     usually({0.02, 0.5}, {"medium.union_radius", at<&P::medium, &Medium::union_radius>, "", limits::kUnionRadius,
                           "Radius of a ball in relation to its particle's scale", kControllers}),

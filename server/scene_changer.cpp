@@ -214,7 +214,7 @@ SceneChanger::Files SceneChanger::filesOf(fs::path file, std::vector<std::string
     const Scene scene = sceneOf(files.text, files.scene, files.overrides);
     const Medium& medium = scene.medium;
     std::vector<std::pair<uint64_t, fs::path>> beside;
-    if (medium.layout == Layout::file) beside = {{0, medium.file}};
+    if (medium.layout == Layout::file || medium.layout == Layout::volume) beside = {{0, medium.file}};
     if (medium.layout == Layout::sequence) beside = numberedFiles(medium.file);
     for (const Mesh& mesh : scene.meshes) beside.emplace_back(0, mesh.file);
     if (scene.render.sprites.maps == "files")

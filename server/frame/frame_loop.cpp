@@ -190,8 +190,11 @@ void FrameLoop::giveParticles() {
                              .first = simulation.firstId(),
                              .origin = shown_.scene->origin,
                              .falloff = simulation.now().medium.falloff,
-                             .particles = std::vector<gpu::Particle>(simulation.liveCount())};
-        simulation.write(taken.particles);
+                             .particles = {}};
+        if (!shown_.scene->volume) { // its particles stand for voxels
+            taken.particles.resize(simulation.liveCount());
+            simulation.write(taken.particles);
+        }
         taken.axes.assign(simulation.axes().begin(), simulation.axes().end());
         request->answer(std::move(taken));
     }

@@ -22,6 +22,7 @@ struct SceneFeatures {
     bool glass = false;        // True: there are sheets of glass
     bool tetrahedra = false;   // True: the medium is of tetrahedra
     bool ellipsoids = false;   // True: particles have three axes
+    bool volume = false;       // True: the medium is a volume
     bool sun = false;          // True: the directional light has an irradiance
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
@@ -39,6 +40,7 @@ struct SceneFeatures {
                 glass || o.glass,
                 tetrahedra || o.tetrahedra,
                 ellipsoids || o.ellipsoids,
+                volume || o.volume,
                 sun || o.sun};
     }
 };
@@ -73,6 +75,7 @@ inline SceneFeatures featuresOf(const Scene& scene, const SceneNow& now, const S
     all.balls |= now.medium.model == kUnionMedium;
     all.tetrahedra |= now.medium.model == kTetrahedraMedium;
     all.ellipsoids |= now.medium.model == kEllipsoidMedium;
+    all.volume |= now.medium.model == kVolumeMedium;
     return all;
 }
 // Takes out what shaders that are compiled for `features` do not draw.

@@ -14,6 +14,7 @@
 namespace brume {
 
 struct TetrahedraBuffers; // server/inputs/tetrahedra_buffers.h
+class VolumeBuffers;      // server/inputs/volume_buffers.h
 
 struct TickInputs {
     const RenderSettings* settings = nullptr; // in use: every choice is made
@@ -38,6 +39,7 @@ struct TickInputs {
     SceneFeatures features;                        // that shaders are compiled for
     bool needs_rays = true;                        // needsRays() the tick
     const TetrahedraBuffers* tetrahedra = nullptr; // null: the medium is not of tetrahedra
+    const VolumeBuffers* volume = nullptr;         // null: the medium is no volume
     // True: the group was drawn in another hue just before. What no colour changes is there already.
     bool later_hue = false;
     uint32_t hue = 0;                                  // index of the hue that is drawn

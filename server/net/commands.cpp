@@ -42,6 +42,8 @@ struct Judge {
         return {};
     }
     Judgement operator()(const Impulse&) const {
+        if (medium.layout == Layout::volume)
+            return Refusal{wire::ErrorCode::unexpected, "pushes move nothing here: the medium is a volume"};
         if (medium.layout != Layout::live && medium.layout != Layout::sequence) return {};
         return Refusal{wire::ErrorCode::unexpected, "pushes move nothing here: the particles come from elsewhere"};
     }

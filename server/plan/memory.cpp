@@ -6,6 +6,7 @@
 
 #include "common/scene.h"
 #include "common/tetrahedra.h"
+#include "common/volume/volume.h"
 #include "server/methods/plans.h"
 #include "server/sim/columns.h"
 #include "server/sim/simulation.h"
@@ -55,6 +56,12 @@ ParticleMemory ellipsoidMemory(size_t count) {
                 ((1 + kSubmissions) * sizeof(gpu::EllipsoidAxes) + 2 * sizeof(gpu::Skew))}; // of light and of members
 }
 
+ParticleMemory volumeMemory(const Volume* volume) {
+    if (!volume) return {};
+    // Nodes are there twice while they are uploaded.
+    return {volume->extinction.size() * sizeof(float), 2 * volume->nodes() * sizeof(float)};
+}
+
 std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const Tetrahedra* mesh) {
     const uint64_t all = particleMemory(count).total() + besides + tetrahedraMemory(mesh).total();
     if (all <= most) return {};
@@ -68,6 +75,12 @@ std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const
 }
 
 uint32_t boundedCapacity(const Scene& scene, const Simulation& simulation, uint64_t most) {
+    const uint64_t voxels = volumeMemory(scene.volume.get()).total();
+    if (voxels + particleMemory(simulation.capacity()).total() > most)
+        throw SceneError(
+            fmt::format("scene '{}': its volume takes {} MiB, --memory allows {}: use fewer voxels or allow "
+                        "more",
+                        scene.name, (voxels + kMebi - 1) / kMebi, most / kMebi));
     const uint64_t besides = simulation.besides() + ellipsoidMemory(simulation.axes().size()).total();
     const std::string wrong = memoryRefusal(simulation.capacity(), most, besides, scene.tetrahedra.get());
     if (!wrong.empty()) throw SceneError("scene '" + scene.name + "': " + wrong);

@@ -11,6 +11,7 @@ namespace brume {
 class Simulation;
 struct Scene;
 struct Tetrahedra;
+struct Volume;
 
 struct ParticleMemory {
     uint64_t cpu = 0;    // bytes: the simulation's columns, twice for a restart, and the renderer's lists
@@ -27,6 +28,9 @@ ParticleMemory tetrahedraMemory(const Tetrahedra* mesh);
 
 // More bytes for so many ellipsoids than for balls.
 ParticleMemory ellipsoidMemory(size_t count);
+
+// Bytes for a volume's voxels; nothing for null.
+ParticleMemory volumeMemory(const Volume* volume);
 
 // Empty if `count` particles fit `most` bytes, with `besides` bytes that they take more, and with the
 // mesh whose corners they are; otherwise one line. Without a mesh it says how many would fit. Null: there is no mesh.

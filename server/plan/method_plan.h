@@ -84,6 +84,7 @@ inline std::string fogRefusal(const MethodPlan& method) {
 inline std::string mediumRefusal(const MethodPlan& method, const SceneFeatures& features) {
     const auto [model, others] = features.balls        ? std::pair(kUnionMedium, "sprites or tiles")
                                  : features.tetrahedra ? std::pair(kTetrahedraMedium, "tetrahedra")
+                                 : features.volume     ? std::pair(kVolumeMedium, "grid, froxels, lit or march")
                                  : features.ellipsoids ? std::pair(kEllipsoidMedium, "slabs, grid or tiles")
                                                        : std::pair(kSumMedium, "slabs or grid");
     if (method.draws(model)) return {};

@@ -26,6 +26,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, uint32_t capac
       probe_(device), cells_(device), depth_layers_(device), nearest_(device, VK_FILTER_NEAREST), targets_(device),
       coarse_targets_(device) {
     if (scene.tetrahedra) tetrahedra_.emplace(device, scene.tetrahedra);
+    if (scene.volume) volume_.emplace(device, scene.volume, scene.medium.centre);
 }
 
 Renderer::~Renderer() = default;
@@ -71,10 +72,12 @@ void Renderer::submit(Submission& s, const Simulation& simulation, std::span<con
     probe_.prepare(s.probe);
     upload_.take(simulation, scene_, now_, objects_.all(), eyes, s.particles_);
     if (tetrahedra_ && upload_.moved()) tetrahedra_->follow(upload_.list());
+    if (volume_) volume_->follow(scene_.medium.extinction > 0 ? now_.medium.extinction / scene_.medium.extinction : 1);
     surfaces_.prepare(eyes, objects_.counts(), objects_.all());
     gatherTick();
     const UniformBlocks blocks(s.uniforms_, eyes.size());
     upload_.writeBlocks(blocks, hues_, shared_.resources);
+    upload_.all().volume = shared_.volume;
     EffectInputs in = effectInputs(simulation, eyes, needs);
     for (const auto& effect : effects_) effect->prepare(in, shared_);
 
@@ -249,6 +252,7 @@ void Renderer::gatherTick() {
                .features = features_,
                .needs_rays = needsRays(upload_.tick()),
                .tetrahedra = tetrahedra_ ? &*tetrahedra_ : nullptr,
+               .volume = volume_ ? &*volume_ : nullptr,
                .uses_target = features_.opaque || compose_.keepsRadiance()};
     shared_.objects_bounds.add(meshes_.bounds);
     for (const gpu::Resource& one :

@@ -10,6 +10,7 @@
 #include "server/effects/effect.h"
 #include "server/encode/picture.h"
 #include "server/inputs/tetrahedra_buffers.h"
+#include "server/inputs/volume_buffers.h"
 #include "server/methods/method.h"
 #include "server/methods/plans.h"
 #include "server/methods/proxies/depth_order.h"
@@ -163,6 +164,7 @@ private:
     const SceneFeatures besides_;        // that shaders are compiled for, though the scene may lack them
     TickUpload upload_;
     std::optional<TetrahedraBuffers> tetrahedra_; // of a medium of them
+    std::optional<VolumeBuffers> volume_;         // of a medium that is one
     const Effects effects_;
     Surfaces surfaces_;
     DepthOrder depth_order_;

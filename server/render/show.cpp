@@ -118,7 +118,8 @@ void Show::makeLegends() {
 }
 
 LegendOf Show::legendFor(const ViewGroup& group, const gpu::View& view, uint32_t discs) const {
-    if (group.any->shared->features.tetrahedra && isOfGaussians(view.eye.show)) return LegendOf::no_gaussians;
+    if ((group.any->shared->features.tetrahedra || group.any->shared->features.volume) && isOfGaussians(view.eye.show))
+        return LegendOf::no_gaussians;
     const bool sun = group.any->shared->features.sun;
     switch (view.eye.show) {
     case gpu::kShowWasted:

@@ -37,14 +37,14 @@ void TickUpload::take(const Simulation& simulation, const Scene& scene, const Sc
     }
     std::span<const gpu::Particle> ordered = now_;
     // Tetrahedra know their corners by number, as axes know their particles.
-    const bool numbered = now.medium.model == kTetrahedraMedium || now.medium.model == kEllipsoidMedium;
+    const bool numbered = now.medium.model != kSumMedium && now.medium.model != kUnionMedium;
     if (now_.size() >= kLargeMedium && !numbered) {
         ordered_.resize(now_.size());
         if (moved_) order_.sort(now_, ordered_);
         ordered = ordered_;
     }
     const std::span<const gpu::EllipsoidAxes> axes = simulation.axes();
-    levels_.choose(ordered, moved_, tick_, extent_, eyes, axes.empty() ? now.render.merge : 0); // levels are of balls
+    levels_.choose(ordered, moved_, tick_, extent_, eyes, numbered ? 0 : now.render.merge); // levels are of balls
     axes_wait_ = !axes.empty() && !axes_there_;
     const VkDeviceSize bytes = capacity_ * sizeof(gpu::Particle), more = axes_wait_ ? axes.size_bytes() : 0;
     staging.atLeast(device_, std::max<VkDeviceSize>(bytes + levels_.uploadBytes() + more, 256),

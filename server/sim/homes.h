@@ -9,7 +9,7 @@
 
 namespace brume {
 
-class Homes final : public Motion {
+class Homes : public Motion {
 public:
     // A particle's extinction is its weight times min(medium's extinction / unit, most). `unit` 0: always its weight.
     // `albedos`: came with the particles, or empty.
@@ -28,6 +28,14 @@ private:
     uint32_t rows_;
     std::vector<glm::vec3> albedos_;
     float unit_, most_;
+};
+
+// Particles that stay at home, whoever pushes.
+class Still final : public Homes {
+public:
+    using Homes::Homes;
+    void step(Columns& /*columns*/, const MotionStep& /*step*/) override {}
+    bool yields() const override { return false; }
 };
 
 } // namespace brume

@@ -33,7 +33,7 @@ Placement tubes(const Medium& medium) {
     return out;
 }
 
-Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
+Placement beforeMoving(const Medium& medium, glm::dvec3 origin, const Volume* volume) {
     switch (medium.layout) {
     case Layout::tubes:
         return tubes(medium);
@@ -41,6 +41,8 @@ Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
         return cumulus(medium);
     case Layout::file:
         return placePointCloud(medium, origin);
+    case Layout::volume:
+        return placeVolume(medium, *volume);
     case Layout::cube:
     case Layout::emitter:
     case Layout::live:
@@ -53,8 +55,8 @@ Placement beforeMoving(const Medium& medium, glm::dvec3 origin) {
 
 } // namespace
 
-Placement place(const Medium& medium, glm::dvec3 origin) {
-    Placement out = beforeMoving(medium, origin);
+Placement place(const Medium& medium, glm::dvec3 origin, const Volume* volume) {
+    Placement out = beforeMoving(medium, origin, volume);
     Random random(medium.seed, 0x6d756c74); // a stream of its own
     out.multiplier.reserve(out.position.size());
     for (glm::vec3& position : out.position) {

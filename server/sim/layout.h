@@ -19,6 +19,7 @@ struct PointCloudFacts {
     std::vector<std::string> notes;           // one line each: what was guessed, merged or passed over
     size_t kept = 0, dropped = 0;             // points that are read, and those that are left out
     std::string first_dropped;                // why the first of them is
+    std::string volume;                       // a volume in words
     std::string sequence, gaps;               // a sequence in words; a warning of missing files, or empty
 };
 
@@ -32,13 +33,19 @@ struct Placement {
     std::vector<gpu::EllipsoidAxes> axes; // of ellipsoids; empty with another model
     std::vector<int64_t> id;              // each point's id, where a sequence's file has them
     bool own_scale = false;               // True: sizes came with the points
+    bool still = false;                   // True: they stand for something that does not move
     std::optional<PointCloudFacts> cloud; // facts about points of a file; nothing for other layouts
 };
 
 // Places the particles of a medium. The result depends on the medium only, not on compiler or machine. Throws
 // SceneError if the medium's file is bad. `origin`: the scene's; it is subtracted from a file's positions.
 // Precondition: the layout is not `emitter`, `sequence` or `live`.
-Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0));
+// `volume`: the scene's.
+Placement place(const Medium& medium, glm::dvec3 origin = glm::dvec3(0), const Volume* volume = nullptr);
+
+// Particles that stand for a volume: one for each cube of voxels that holds something, with the same mass. Pictures are
+// of the voxels; maps' bounds, cameras and laws of errors go by these.
+Placement placeVolume(const Medium& medium, const Volume& volume);
 
 // medium.count positions and scales that fill a cumulus, medium.extent wide, that stands on y = 0 over the origin.
 Placement cumulus(const Medium& medium);

@@ -165,6 +165,9 @@ std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
         return oneLine(fmt::format("{} '{}': {}; the first file has no points", kind(cloud.facts),
                                    scene.medium.file.string(), cloud.facts.sequence));
     const double depth = depthOf(cloud);
+    if (!cloud.facts.volume.empty())
+        return oneLine(fmt::format("volume '{}': {}, in {}; optical depth about {:.2g}", scene.medium.file.string(),
+                                   cloud.facts.volume, cloud.boxText(), depth));
     const std::string before = scene.tetrahedra ? fmt::format("{} tetrahedra of ", scene.tetrahedra->corners.size())
                                : cloud.facts.sequence.empty() ? ""
                                                               : cloud.facts.sequence + "; the first file: ";

@@ -71,7 +71,7 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
         columns.emplace(rows);
         motion = std::make_unique<Sequence>(scene.medium, std::move(files), *columns);
     } else {
-        Placement placed = place(scene.medium, scene.origin);
+        Placement placed = place(scene.medium, scene.origin, scene.volume.get());
         rows = now.medium.count = static_cast<uint32_t>(placed.position.size());
         columns.emplace(rows);
         Columns& c = *columns;
@@ -88,8 +88,11 @@ Simulation::State::State(const Scene& scene, uint64_t most_bytes)
         } else {
             std::copy(placed.sigma_t.begin(), placed.sigma_t.end(), c[Column::weight]);
             const float most = *std::max_element(placed.sigma_t.begin(), placed.sigma_t.end());
-            motion = std::make_unique<Homes>(rows, std::move(placed.albedo), scene.medium.extinction,
-                                             static_cast<float>(limits::kSigmaT.hi) / most);
+            const float times = static_cast<float>(limits::kSigmaT.hi) / most;
+            if (placed.still)
+                motion = std::make_unique<Still>(rows, std::move(placed.albedo), scene.medium.extinction, times);
+            else
+                motion = std::make_unique<Homes>(rows, std::move(placed.albedo), scene.medium.extinction, times);
         }
         axes = std::move(placed.axes);
         cloud = std::move(placed.cloud);
@@ -152,7 +155,7 @@ std::string Simulation::State::change(Edit edit) {
     tried = now.lists;
     std::string problem = edit(tried);
     if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
-    if (problem.empty() && !isSum(now.medium) && !(tried.fogs.empty() && tried.lights.empty()))
+    if (problem.empty() && !isMixable(now.medium) && !(tried.fogs.empty() && tried.lights.empty()))
         problem = "fog, points and spots are drawn only with medium.model = \"sum\"";
     if (!problem.empty()) return problem;
     std::swap(now.lists, tried);

@@ -12,6 +12,7 @@
 #include "common/scene.h"
 #include "common/scene_limits.h"
 #include "common/tetrahedra.h"
+#include "common/volume/volume.h"
 #include "server/plan/cost_model.h"
 #include "shaders/shared/ellipsoid.h"
 #include "tests/fuzz/promise.h"
@@ -84,8 +85,7 @@ void scene(Bytes input) {
         promise(medium.scale.lo <= medium.scale.hi && limits::kScale.holds(medium.scale.lo) &&
                     limits::kScale.holds(medium.scale.hi),
                 "sizes within limits");
-        promise((medium.layout == Layout::file || medium.layout == Layout::sequence) == !medium.file.empty(),
-                "a file only where it is used");
+        promise(isFromFiles(medium.layout) == !medium.file.empty(), "a file only where it is used");
         for (const Light& light : scene.lights)
             promise(std::abs(glm::length(light.to_light) - 1) < 1e-3f &&
                         std::abs(glm::length(light.axis) - 1) < 1e-3f && light.inner < light.outer,
@@ -133,6 +133,24 @@ void ply(Bytes input) {
     }
     tetrahedra(bytes);
     uploaded(bytes);
+}
+
+void volume(Bytes input) {
+    constexpr uint64_t kMost = 4096; // nodes
+    constexpr const char* kUps[]{"y", "z", "x", "-y"};
+    const std::string bytes(textOf(input));
+    try {
+        const Volume volume = parseVolume(bytes, "v.nrrd", {.unit = 0.5, .up = kUps[bytes.size() % 4]}, kMost);
+        promise(volume.extinction.size() == size_t(volume.size.x) * volume.size.y * volume.size.z, "all voxels");
+        promise(volume.nodes() <= kMost, "a number of nodes within limits");
+        promise(volume.spacing > 0 && std::isfinite(volume.spacing), "a spacing");
+        promise(within(glm::vec3(volume.origin), limits::kPlace), "a place within limits");
+        for (const float extinction : volume.extinction)
+            promise(limits::kSigmaT.holds(double(extinction)), "an extinction within limits");
+        for (const std::string& note : volume.notes) promiseOneLine(note, kLongestRefusal);
+    } catch (const SceneError& error) {
+        promiseOneLine(error.what(), kLongestRefusal);
+    }
 }
 
 void gltf(Bytes input) {

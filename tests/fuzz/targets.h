@@ -14,6 +14,7 @@ void session(Bytes input); // SessionRules; the bytes are messages, texts, ticks
 void query(Bytes input);   // lines of an HTTP request: target (page, picture query), Origin, Host
 void scene(Bytes input);   // a scene file; a first line "--set KEY=VALUE" is an override
 void ply(Bytes input);     // a point cloud
+void volume(Bytes input);  // a volume of the format NRRD
 void gltf(Bytes input);    // a mesh
 void costs(Bytes input);   // a cost file of `brume-bench calibrate`
 void token(Bytes input);   // a token, and a request that may carry one
@@ -24,8 +25,8 @@ struct Target {
     const char* name;
     void (*run)(Bytes input);
 };
-inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query}, {"scene", scene},
-                                      {"ply", ply},         {"gltf", gltf},       {"costs", costs}, {"token", token},
-                                      {"proxy", proxy},     {"cluster", cluster}};
+inline constexpr Target kTargets[] = {{"message", message}, {"session", session}, {"query", query},    {"scene", scene},
+                                      {"ply", ply},         {"volume", volume},   {"gltf", gltf},      {"costs", costs},
+                                      {"token", token},     {"proxy", proxy},     {"cluster", cluster}};
 
 } // namespace brume::fuzz

@@ -71,7 +71,7 @@ protected:
         all.give(gpu::storageBuffer("ObjectNodes", objects.nodes()));
         all.give(gpu::storageBuffer("Triangles", meshes.triangles));
         all.give(gpu::storageBuffer("MeshNodes", meshes.nodes));
-        for (const char* lights : {"LocalLights", "LightBits", "LightDepths", "UnionBits", "UnionLights"})
+        for (const char* lights : {"LocalLights", "LightBits", "LightDepths", "UnionBits", "UnionLights", "Axes"})
             all.give(gpu::storageBuffer(lights, none));
         casters.record(commands, all, tick, objects.all());
         volume.record(commands, all, tick);

@@ -14,6 +14,7 @@
 
 #include "common/ply/ply.h"
 #include "common/scene.h"
+#include "common/volume/volume.h"
 #include "tools/import/rasterise.h"
 
 namespace brume::volumes::file_test {
@@ -151,6 +152,27 @@ TEST(ImportFile, CellsOfASequenceKeepTheirIds) {
     EXPECT_EQ(first.albedo.size(), second.albedo.size());
     EXPECT_EQ(std::set<int64_t>(last.id.begin(), last.id.end()).size(), last.id.size());
     EXPECT_TRUE(std::ranges::any_of(last.id, [&](int64_t id) { return std::ranges::count(first.id, id) > 0; }));
+}
+
+// The voxels themselves, read back at their places.
+TEST(ImportFile, VoxelsAreWrittenAsTheyAre) {
+    const Volume ball = ballVolume();
+    writeVolume(folder() / "ball.vdb", ball);
+    ImportSettings settings = settingsOf("ball.vdb", "ball.nrrd");
+    settings.placing.z_up = true, settings.placing.scale = 0.5, settings.placing.density = 3;
+    const std::vector<std::string> said = run(settings);
+    EXPECT_NE(said.back().find("voxels above 0"), std::string::npos) << said.back();
+    const brume::Volume read = loadVolume(settings.out, {}, 1u << 24);
+    double sum = 0;
+    for (const float extinction : read.extinction) sum += double(extinction);
+    EXPECT_NEAR(sum / (3 * ball.voxels.sum()), 1, 1e-6);
+    EXPECT_NEAR(read.spacing, 0.5 * ball.width, 1e-9);
+    const glm::ivec3 voxel = (ball.voxels.lo() + ball.voxels.hi()) / 2;
+    const glm::dvec3 in_file = ball.turn * glm::dvec3(voxel) + ball.origin;
+    const glm::dvec3 there = 0.5 * glm::dvec3(in_file.x, in_file.z, -in_file.y),
+                     at = (there - read.origin) / read.spacing;
+    EXPECT_LT(glm::length(at - glm::round(at)), 1e-6);
+    EXPECT_FLOAT_EQ(read.at(glm::ivec3(glm::round(at))), 3 * ball.voxels.at(voxel));
 }
 
 TEST(ImportFile, TilesTypesAndLevelSets) {

@@ -8,6 +8,7 @@
 
 #include "common/numbered_files.h"
 #include "common/scene_limits.h"
+#include "tools/import/nrrd_file.h"
 
 namespace brume::volumes {
 
@@ -62,6 +63,13 @@ public:
         for (const std::string& note : volume.notes) say_(in.string() + ": " + note);
         if (ids) colour(in, volume);
         const uint64_t voxels = volume.voxels.active();
+        if (out.extension() == ".nrrd") {
+            writeNrrd(out, volume, settings_.placing, "made by brume-import from " + in.filename().string());
+            say_(fmt::format("{}: {} voxels above 0{}", out.string(), voxels,
+                             volume.albedo.empty() ? "" : "; the albedo is left out"));
+            result.voxels = voxels;
+            return;
+        }
         const double mass = volume.voxels.sum() * settings_.placing.density * std::pow(widthOf(volume), 3);
         Fit fit = fitted(volume);
         // Where a Gaussian for each voxel is not enough, what lies between voxels is followed, too.

@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
     using namespace brume;
     volumes::ImportSettings settings;
     CLI::App app{
-        "brume-import: a VDB volume as a PLY file of particles, for medium.layout = \"file\".\n"
+        "brume-import: a VDB volume as a PLY file of particles, for medium.layout = \"file\", or as the voxels\n"
+        "themselves (out.nrrd), for medium.layout = \"volume\".\n"
         "With a # for each digit of a number all frames (smoke_####.vdb out_####.ply), for medium.layout =\n"
         "\"sequence\".\n"
         "The error is the relative RMSE of many rays' optical depths, and of 1 - exp(-depth): the larger of both.\n"
@@ -20,7 +21,7 @@ int main(int argc, char** argv) {
     std::string up = "y";
     app.set_version_flag("--version", BRUME_VERSION);
     app.add_option("in", settings.in, "a VDB file")->required();
-    app.add_option("out", settings.out, "a PLY file")->required();
+    app.add_option("out", settings.out, "a PLY file, or a NRRD file")->required();
     allow(app.add_option("--error", settings.fit.error, "allowed error")->capture_default_str(), 1e-4, 1.0);
     allow(app.add_option("--most", settings.fit.most, "particles at most")->capture_default_str(), uint64_t(1),
           uint64_t(limits::kCount.hi));

@@ -27,7 +27,8 @@ Arrival arrivalAt(const LightSource& light, glm::dvec3 x) {
 }
 
 Lighting::Lighting(const World& world, double reach, bool shadows, double cells)
-    : world_(world), obstacles_(world.obstacles), tetrahedra_(world.tetrahedra), shadows_(shadows) {
+    : world_(world), obstacles_(world.obstacles), tetrahedra_(world.tetrahedra), voxels_(world.voxels),
+      shadows_(shadows) {
     for (const LightSource& light : world.lights) {
         Fields& fields = fields_.emplace_back();
         if (!shadows || world.cut_light) continue;
@@ -67,7 +68,7 @@ double Lighting::depth(size_t i, glm::dvec3 x, const Arrival& arrival, int skip)
         insideUnion(world_.balls, toward, parts);
         for (const Interval part : parts) sum += world_.balls.sigma_t * (part.end - part.begin);
     }
-    return sum + tetrahedra_.depth(toward);
+    return sum + tetrahedra_.depth(toward) + voxels_.depth(toward);
 }
 
 void Lighting::scattered(glm::dvec3 x, glm::dvec3 w, std::span<const PhaseLobes> phases,

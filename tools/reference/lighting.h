@@ -7,6 +7,7 @@
 #include "tools/reference/light_field.h"
 #include "tools/reference/obstacle_tree.h"
 #include "tools/reference/tetrahedra.h"
+#include "tools/reference/voxels.h"
 #include "tools/reference/world.h"
 
 namespace brume::reference {
@@ -39,6 +40,7 @@ public:
 
     const ObstacleTree& obstacles() const { return obstacles_; }
     const TetrahedraTree& tetrahedra() const { return tetrahedra_; }
+    const VoxelPath& voxels() const { return voxels_; }
 
 private:
     double cutDepth(const Ray& toward) const; // optical depth of blobs that their tetrahedra cut
@@ -50,6 +52,7 @@ private:
     const World& world_;
     ObstacleTree obstacles_;
     TetrahedraTree tetrahedra_;
+    VoxelPath voxels_;
     bool shadows_;
     std::vector<Fields> fields_; // per light
     const ErfTable& table_ = ErfTable::shared();

@@ -24,6 +24,12 @@ void Numbers::add(const UnionMedium& medium) {
     add(balls), add(sigma_t), add(albedo);
 }
 
+void Numbers::add(const VoxelMedium& medium) {
+    const auto& [volume, origin, times, albedo] = medium;
+    add(origin), add(times), add(albedo), add(glm::dvec3(volume->size)), add(volume->spacing);
+    for (const float extinction : volume->extinction) add(double(extinction));
+}
+
 void Numbers::add(const SemiAxes& axes) {
     const auto& [a, b, c] = axes;
     add(a), add(b), add(c);
@@ -77,13 +83,14 @@ void Numbers::add(const std::vector<Element>& list) {
 }
 
 void Numbers::add(const World& world) {
-    const auto& [blobs, axes, support, cut_light, composition, balls, tetrahedra, fogs, lights, obstacles, sheets,
-                 zenith, horizon, haze, ambient, phase, colour] = world;
+    const auto& [blobs, axes, support, cut_light, composition, balls, tetrahedra, voxels, fogs, lights, obstacles,
+                 sheets, zenith, horizon, haze, ambient, phase, colour] = world;
     add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs);
     add(lights), add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(phase);
     if (colour != glm::dvec3(1)) add(colour);
     if (!sheets.empty()) add(sheets);
     if (!axes.empty()) add(axes);
+    if (voxels.volume) add(voxels);
     if (!tetrahedra.cells.empty()) add(tetrahedra);
 }
 

@@ -26,6 +26,7 @@ private:
     void add(const UnionMedium::Ball& ball);
     void add(const UnionMedium& medium);
     void add(const SemiAxes& axes);
+    void add(const VoxelMedium& medium);
     void add(const TetrahedralMedium::Corner& corner);
     void add(const glm::uvec4& cell);
     void add(const TetrahedralMedium& medium);

@@ -32,7 +32,7 @@ Stage::Stage(const World& w, const Settings& s)
     : world(w), settings(s), reach(reachFor(w, s.tolerance)), lighting(w, reach, s.shadows, s.light_cells) {
     if (!(s.tolerance >= 1e-12 && s.tolerance <= 1e-2)) throw std::invalid_argument("tolerance is in [1e-12, 1e-2]");
     if (w.composition == Composition::sequential &&
-        !(w.fogs.empty() && w.balls.balls.empty() && w.tetrahedra.cells.empty()))
+        !(w.fogs.empty() && w.balls.balls.empty() && w.tetrahedra.cells.empty() && !w.voxels.volume))
         throw std::invalid_argument("sequential composition is of Gaussian particles alone");
     if (w.composition == Composition::sequential && !w.sheets.empty())
         throw std::invalid_argument("sequential composition is of worlds without glass");
@@ -125,6 +125,7 @@ void RayTracer::gather() {
     for (const Fog& fog : world_.fogs) fog_parts_.push_back(common(insideFog(fog, ray_), {ray_.begin, ray_.end}));
     insideUnion(world_.balls, ray_, ball_parts_);
     stage_.lighting.tetrahedra().along(ray_, cell_parts_);
+    stage_.lighting.voxels().along(ray_, cell_parts_);
     smallest_ball_ = kInfinity;
     for (const UnionMedium::Ball& ball : world_.balls.balls) smallest_ball_ = std::min(smallest_ball_, ball.radius);
 }
@@ -307,7 +308,7 @@ RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) {
         return std::abs(rule.coefficient(m, integrand)) + std::abs(rule.coefficient(m + 1, integrand));
     };
     const double late = largest(n - 2), early = largest(n / 2 - 2), rate = early > 0 ? std::min(late / early, 1.0) : 0;
-    const bool kinks = !ball_parts_.empty() || !world_.tetrahedra.cells.empty(); // their coefficients fall slowly
+    const bool kinks = !ball_parts_.empty() || !cell_parts_.empty(); // their coefficients fall slowly
     const double decay = kinks ? rate : rate * rate;
     panel.error = 16 * 2 * half * late * decay;
     return panel;

@@ -113,15 +113,18 @@ Bounds3 boundsOf(const TetrahedralMedium& medium, const std::array<uint32_t, n>&
 } // namespace
 
 double CellPart::extinctionAt(double t) const {
-    return glm::mix(extinction[0], extinction[1], (t - begin) / (end - begin));
+    const double u = (t - begin) / (end - begin);
+    return glm::mix(extinction[0], extinction[1], u) + u * (1 - u) * (bend[0] + bend[1] * u);
 }
 
 glm::dvec3 CellPart::albedoAt(double t) const { return glm::mix(albedo[0], albedo[1], (t - begin) / (end - begin)); }
 
 double CellPart::depthTo(double t) const {
     if (t <= begin) return 0;
-    if (t >= end) return (end - begin) * (extinction[0] + extinction[1]) / 2;
-    return (t - begin) * (extinction[0] + extinctionAt(t)) / 2;
+    const double u = t >= end ? 1 : (t - begin) / (end - begin);
+    const double straight = u * (extinction[0] + u * (extinction[1] - extinction[0]) / 2);
+    const double bent = u * u * (bend[0] * (0.5 - u / 3) + bend[1] * u * (1.0 / 3 - u / 4));
+    return (end - begin) * (straight + bent);
 }
 
 double CellPart::whereDepthIs(double depth) const {

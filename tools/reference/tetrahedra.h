@@ -11,18 +11,20 @@
 
 namespace brume::reference {
 
-// What of a ray is in one tetrahedron. Extinction and albedo are linear in between.
+// What of a ray is in one tetrahedron, or in a cell between voxels. Extinction and albedo are linear in between, but
+// for what `bend` adds: at the part u of the way u (1 - u) (bend[0] + bend[1] u).
 struct CellPart {
     double begin, end;      // m
     double extinction[2];   // 1/m, at both ends
     glm::dvec3 albedo[2]{}; // at both ends
+    double bend[2]{};       // 1/m; of a tetrahedron 0
 
     bool holds(double t) const { return t > begin && t < end; }
     double extinctionAt(double t) const;
     glm::dvec3 albedoAt(double t) const;
     // Optical depth from its begin to t, or to its end.
     double depthTo(double t) const;
-    // The t at which that depth is reached; kInfinity if there is none.
+    // The t at which that depth is reached; kInfinity if there is none. Of a tetrahedron, as cut() is.
     double whereDepthIs(double depth) const;
     // The part of it between these.
     CellPart cut(Interval to) const;

@@ -156,6 +156,7 @@ private:
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings) {
     if (world.support != Support::full || world.composition != Composition::overlapping)
         throw std::invalid_argument("tracking is of whole Gaussians whose extinctions add up");
+    if (world.voxels.volume) throw std::invalid_argument("tracking is not of volumes");
     if (isColoured(world)) throw std::invalid_argument("tracking is of one channel of a coloured world: inChannel()");
     const DensityGrid grid(world);
     const Lighting lighting(world, kReach, true);

@@ -150,6 +150,7 @@ World inChannel(const World& world, int channel) {
     const double part = world.extinction_colour[channel];
     for (Blob& blob : one.blobs) blob.sigma_t *= part, blob.half_line *= part;
     one.balls.sigma_t *= part;
+    one.voxels.times *= part;
     for (TetrahedralMedium::Corner& corner : one.tetrahedra.corners) corner.sigma_t *= part;
     one.extinction_colour = glm::dvec3(1);
     for (Fog& fog : one.fogs) {
@@ -166,6 +167,10 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
             unionOf(particles, double(now.medium.union_radius), double(now.medium.union_extinction), now.medium.albedo);
     else if (now.medium.model == kTetrahedraMedium)
         world.tetrahedra = tetrahedraOf(particles, scene.tetrahedra->corners);
+    else if (scene.volume)
+        world.voxels = {scene.volume, scene.volume->origin + glm::dvec3(now.medium.centre),
+                        scene.medium.extinction > 0 ? double(now.medium.extinction / scene.medium.extinction) : 1,
+                        now.medium.albedo};
     else
         world.blobs = blobsOf(particles, now.medium.falloff), world.axes = semiAxesOf(now.axes);
     world.lights = {directional(now.light)};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 
 #include "common/phase_lobes.h"
 #include "common/scene.h"
+#include "common/volume/volume.h"
 #include "shaders/shared/types.h"
 
 namespace brume::reference {
@@ -97,6 +99,14 @@ struct TetrahedralMedium {
 };
 TetrahedralMedium tetrahedraOf(std::span<const gpu::Particle> particles, std::span<const glm::uvec4> cells);
 
+// Extinction at voxels, trilinear in between, 0 beyond the outermost.
+struct VoxelMedium {
+    std::shared_ptr<const Volume> volume; // null: there is none
+    glm::dvec3 origin{0};                 // m, of the middle of voxel (0, 0, 0)
+    double times = 1;                     // that the voxels' extinction is multiplied by
+    glm::dvec3 albedo{1};
+};
+
 // extinction = sigma_t e^(-falloff (y - base)) where lo <= y <= hi and |x - centre| <= radius.
 struct Fog {
     double sigma_t = 0; // 1/m at y = base
@@ -161,6 +171,7 @@ struct World {
     Composition composition = Composition::overlapping; // sequential: only worlds of blobs
     UnionMedium balls;
     TetrahedralMedium tetrahedra;
+    VoxelMedium voxels;
     std::vector<Fog> fogs;
     std::vector<LightSource> lights;
     std::vector<Obstacle> obstacles;

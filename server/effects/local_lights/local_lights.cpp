@@ -9,10 +9,12 @@
 #include "server/gpu/binding_sizes.h"
 #include "server/inputs/constants.h"
 #include "server/inputs/local_light_block.h"
+#include "server/inputs/volume_buffers.h"
 #include "server/medium/band_limit.h"
 #include "shaders/local_light_bins_comp.h"
 #include "shaders/local_light_comp.h"
 #include "shaders/local_light_depth_comp.h"
+#include "shaders/volume_light_depth_comp.h"
 
 namespace brume::effects::local_lights {
 namespace {
@@ -25,6 +27,7 @@ class LocalLights final : public Effect {
 public:
     explicit LocalLights(const gpu::Device& device)
         : device_(device), depths_program_(device, local_light_depth_comp, "local_light_depth"),
+          of_volume_(device, volume_light_depth_comp, "volume_light_depth"),
           bins_program_(device, local_light_bins_comp, "local_light_bins"),
           program_(device, local_light_comp, "local_light") {}
 
@@ -60,7 +63,13 @@ public:
         if (!depths_made_for_.outdated({in.all.version, blocks_})) return;
         const gpu::Commands::Pass pass(commands, "local light depth");
         gpu::everythingBefore(commands.handle());
-        depths_program_.with({{gpu::kIdEllipsoids, tick.features.ellipsoids}}).bind(commands, in.all.resources, {});
+        if (tick.volume)
+            of_volume_.with().bind(
+                commands, in.all.resources,
+                {gpu::storageBuffer("Nodes", tick.volume->nodes()), gpu::storageBuffer("Marks", tick.volume->marks())},
+                tick.volume->grid());
+        else
+            depths_program_.with({{gpu::kIdEllipsoids, tick.features.ellipsoids}}).bind(commands, in.all.resources, {});
         vkCmdDispatch(commands.handle(), gpu::kMostLightSide / 8, gpu::kMostLightSide / 8, uint32_t(blocks_.size()));
         gpu::everythingBefore(commands.handle());
     }
@@ -140,7 +149,7 @@ private:
     }
 
     const gpu::Device& device_;
-    gpu::Variants depths_program_, bins_program_, program_;
+    gpu::Variants depths_program_, of_volume_, bins_program_, program_;
     std::vector<gpu::LocalLight> blocks_; // all points and spots
     gpu::Buffer lights_;                  // gpu::LocalLight[]: blocks_ on the device
     gpu::Buffer bits_;                    // uint[bins][words] of the last eye: a bit for each light

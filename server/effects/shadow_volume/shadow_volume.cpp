@@ -6,6 +6,7 @@
 #include "shaders/shadow_particles_comp.h"
 #include "shaders/shadow_volume_comp.h"
 #include "shaders/tetrahedra_shadow_comp.h"
+#include "shaders/volume_shadow_comp.h"
 
 namespace brume {
 
@@ -36,7 +37,8 @@ ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, bool el
               {{gpu::kIdLanes, device.lanesTogether()},
                {gpu::kIdLockstep, device.lockstep()},
                {gpu::kIdEllipsoids, ellipsoids}}),
-      tetrahedra_(device, tetrahedra_shadow_comp, "tetrahedra_shadow") {
+      tetrahedra_(device, tetrahedra_shadow_comp, "tetrahedra_shadow"),
+      of_volume_(device, volume_shadow_comp, "volume_shadow") {
     light_particles_ = gpu::Buffer(device, std::max(capacity, 1u) * sizeof(gpu::LightParticle),
                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::device, "light particles");
     if (ellipsoids)
@@ -79,7 +81,7 @@ void ShadowVolume::inBands(VkCommandBuffer cmd, const gpu::Tick& tick, const Rec
 }
 
 bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
-                          bool same_particles, const TetrahedraBuffers* tetrahedra) {
+                          bool same_particles, const TetrahedraBuffers* tetrahedra, const VolumeBuffers* volume) {
     if (image_ && same_particles && sameVolume(tick, last_)) return false;
     last_ = tick;
     const gpu::Commands::Pass pass(commands, tetrahedra ? "tetrahedra shadow" : "shadow volume");
@@ -87,6 +89,8 @@ bool ShadowVolume::record(gpu::Commands& commands, const gpu::Resources& shared,
     gpu::everythingBefore(commands.handle()); // the last tick's viewers have read it
     if (tetrahedra)
         recordTetrahedra(commands, shared, tick, *tetrahedra);
+    else if (volume)
+        recordVolume(commands, shared, tick, *volume);
     else
         recordParticles(commands, shared, tick);
     return true;
@@ -125,6 +129,21 @@ void ShadowVolume::recordTetrahedra(gpu::Commands& commands, const gpu::Resource
                                 {storageBuffer("Cells", tetrahedra.cells), storageBuffer("Faces", tetrahedra.faces),
                                  storageBuffer("Texels", texels_), storageBuffer("FaceNodes", tetrahedra.nodes)},
                                 band);
+        vkCmdDispatch(commands.handle(), gpu::groups(tick.map.texels.x, 8), rows, 1);
+    });
+}
+
+void ShadowVolume::recordVolume(gpu::Commands& commands, const gpu::Resources& shared, const gpu::Tick& tick,
+                                const VolumeBuffers& volume) {
+    inBands(commands.handle(), tick, [&](uint32_t first, uint32_t rows) {
+        const struct {
+            gpu::MediumGrid medium;
+            uint32_t first_row, rows, layers;
+        } push{volume.grid(), first * kRows, rows * kRows, image_.layers()};
+        of_volume_.with().bind(commands, shared,
+                               {storageBuffer("Nodes", volume.nodes()), storageBuffer("Marks", volume.marks()),
+                                storageBuffer("Texels", texels_)},
+                               push);
         vkCmdDispatch(commands.handle(), gpu::groups(tick.map.texels.x, 8), rows, 1);
     });
 }

@@ -13,7 +13,7 @@ public:
           linear_(context.device, VK_FILTER_LINEAR) {}
 
     void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {
-        if (volume_.record(commands, in.all.resources, *tick.tick, !in.moved, tick.tetrahedra)) ++version_;
+        if (volume_.record(commands, in.all.resources, *tick.tick, !in.moved, tick.tetrahedra, tick.volume)) ++version_;
         tick.sun_depth_version = version_;
         const gpu::Resource map = gpu::sampledImage("shadow_volume", volume_.image(), linear_);
         tick.resources.give(map);

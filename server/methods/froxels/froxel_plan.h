@@ -14,7 +14,9 @@ class FroxelPlan : public MethodPlan {
 public:
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); } // of the nodes' bins
     bool drawsFogAndLocalLights() const override { return true; }
-    bool draws(std::string_view model) const override { return model == kSumMedium || model == kEllipsoidMedium; }
+    bool draws(std::string_view model) const override {
+        return model == kSumMedium || model == kEllipsoidMedium || model == kVolumeMedium;
+    }
     bool hasClosedForms() const override { return false; }
     // None where the nodes of the medium do not fit, as for `grid`.
     void addWays(const PlanScene& scene, const RenderSettings& way, bool asked, std::vector<RenderSettings>& ways,

@@ -22,7 +22,7 @@ private:
     void recordRays(gpu::Commands& commands, const ViewGroup& group) override {
         const VkCommandBuffer cmd = commands.handle();
         const EyeInputs& in = *group.any;
-        const uint32_t cubic = isCubic(*in.shared->settings);
+        const uint32_t cubic = !in.medium->volume && isCubic(*in.shared->settings);
         const gpu::Commands::Pass pass(commands, "grid rays", group.view());
         gpu::computeToCompute(cmd);
         rays_.with(constantsOf(group), {{gpu::kIdCubic, cubic}})

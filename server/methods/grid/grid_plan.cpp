@@ -28,6 +28,7 @@ constexpr double kCubicSampling = 5;  // what a sample then costs, over a linear
 
 class Plan final : public RayPlan {
 public:
+    bool draws(std::string_view model) const override { return RayPlan::draws(model) || model == kVolumeMedium; }
     const char* name() const override { return "grid"; }
     const char* about() const override {
         return "slabs sampled from a grid in world space that all viewers share, the full Gaussian";

@@ -50,6 +50,11 @@ const gpu::Program& GridPass::fineProgram(bool has_coarse) {
 }
 
 void GridPass::record(gpu::Commands& commands, const MediumView& in, const RenderSettings& settings, bool linear) {
+    volume_ = in.volume;
+    if (volume_) {
+        grid_ = volume_->grid();
+        return;
+    }
     const gpu::MediumGrid grid = gridThatFits(*in.extent, settings, linear);
     if (version_ == in.version && same(grid, grid_) && one_albedo_ == in.extent->one_albedo) return;
     version_ = in.version;

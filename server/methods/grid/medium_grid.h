@@ -6,6 +6,7 @@
 #include "server/gpu/commands.h"
 #include "server/gpu/variants.h"
 #include "server/inputs/medium_view.h"
+#include "server/inputs/volume_buffers.h"
 #include "server/methods/grid/node_grid_plan.h"
 
 namespace brume {
@@ -21,11 +22,12 @@ public:
     // compute.
     void record(gpu::Commands& commands, const MediumView& medium, const RenderSettings& settings, bool linear = false);
 
+    // Of a volume all three are its own.
     const gpu::MediumGrid& grid() const { return grid_; }
     // float[quantity of the medium][plane][row][node] (shaders/shared/field.h). Bricks without a mark for reading are
     // undefined.
-    const gpu::Buffer& nodes() const { return nodes_; }
-    const gpu::Buffer& marks() const { return marks_; } // shaders/lib/grid_marks.glsl
+    const gpu::Buffer& nodes() const { return volume_ ? volume_->nodes() : nodes_; }
+    const gpu::Buffer& marks() const { return volume_ ? volume_->marks() : marks_; } // shaders/lib/grid_marks.glsl
 
 private:
     const gpu::Program& coarseProgram();              // fills coarse nodes
@@ -37,7 +39,8 @@ private:
     gpu::Variants program_;
     gpu::Buffer members_, skews_, bins_, nodes_, coarse_nodes_, marks_;
     gpu::MediumGrid grid_{};
-    std::optional<uint64_t> version_; // of the particles that the nodes hold
+    const VolumeBuffers* volume_ = nullptr; // MediumView::volume
+    std::optional<uint64_t> version_;       // of the particles that the nodes hold
     bool one_albedo_ = true;
 };
 
