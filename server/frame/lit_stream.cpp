@@ -26,7 +26,7 @@ float millisBetween(Clock::time_point from, Clock::time_point to) { return Milli
 std::string whyNotDrawable(const ShownScene& shown) {
     const SceneNow& now = shown.simulation.now();
     const SceneFeatures features = featuresOf(*shown.scene, now);
-    if (now.medium.model != kSumMedium) return fmt::format("its medium is a {}", now.medium.model);
+    if (now.medium.model != kSumMedium) return fmt::format("its medium.model is \"{}\"", now.medium.model);
     if (features.fog) return "it has fog";
     if (features.local_lights) return "it has points or spots";
     if (features.meshes) return "it has meshes";

@@ -21,23 +21,26 @@ protected:
     struct Error {
         double rmse, worst; // of total radiance; relative to its RMS
     };
+    // A scene's world at its start.
+    static reference::World worldOf(const Scene& scene) {
+        const Simulation simulation(scene);
+        std::vector<gpu::Particle> particles(simulation.liveCount());
+        simulation.write(particles);
+        const SceneNow& now = simulation.now();
+        return reference::worldOf(scene, particles,
+                                  {now.medium, now.light, now.lists.lights, now.lists.fogs, simulation.axes()});
+    }
     static Error errorOf(const Scene& scene, const Pose& pose) {
         Stage stage(device(), scene, Simulation(scene).capacity());
         return errorOf(stage, scene, pose);
     }
     static Error errorOf(Stage& stage, const Scene& scene, const Pose& pose) {
         const Picture picture = stage.see(scene, pose, kWidth, kHeight);
-        const Simulation simulation(scene);
-        std::vector<gpu::Particle> particles(simulation.liveCount());
-        simulation.write(particles);
-        const SceneNow& now = simulation.now();
         std::vector<glm::uvec2> pixels;
         for (uint32_t y = kEvery / 2; y < kHeight; y += kEvery)
             for (uint32_t x = kEvery / 2; x < kWidth; x += kEvery) pixels.emplace_back(x, y);
         const std::vector<TruePixel> truth =
-            truthOf(reference::worldOf(scene, particles,
-                                       {now.medium, now.light, now.lists.lights, now.lists.fogs, simulation.axes()}),
-                    reference::perspective(pose, kWidth, kHeight, kNear), pixels, 1e-5);
+            truthOf(worldOf(scene), reference::perspective(pose, kWidth, kHeight, kNear), pixels, 1e-5);
         double errors = 0, values = 0, worst = 0;
         int count = 0;
         for (size_t i = 0; i < pixels.size(); ++i) {
