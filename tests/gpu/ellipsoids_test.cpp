@@ -122,8 +122,7 @@ TEST_F(EllipsoidsTest, TilesAreTheSequentialReference) {
         world.composition = reference::Composition::sequential;
         for (const Pose& pose : {kOutside, kInside}) {
             const Errors errors = errorsBeside(world, scene, pose);
-            std::printf("%s: opacity %.5f %%, light %.3f %%\n", quadrature, 100 * errors.opacity,
-                        100 * errors.light);
+            std::printf("%s: opacity %.5f %%, light %.3f %%\n", quadrature, 100 * errors.opacity, 100 * errors.light);
             EXPECT_LT(errors.opacity, 1e-4);
             EXPECT_LT(errors.light, 2e-2);
         }
