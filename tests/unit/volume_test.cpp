@@ -33,7 +33,7 @@ std::string whyNot(const std::string& bytes) {
     try {
         parseVolume(bytes, "v.nrrd", {}, kMany);
     } catch (const SceneError& error) {
-        const std::string what = error.what();
+        std::string what = error.what();
         EXPECT_EQ(what.find('\n'), what.npos) << what;
         return what;
     }
