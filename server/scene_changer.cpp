@@ -122,7 +122,9 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     const std::string file = wish.name + ".ply";
     const PlyContents contents = contentsOf(wish.points, file);
     const PlyExtent extent = extentOf(wish.points, file, wish.options.up);
-    const bool ellipsoids = contents.axes && double(extent.count) <= limits::kCount.hi; // more are merged to balls
+    // More are merged to balls, and balls can be drawn by all.
+    const bool ellipsoids =
+        contents.axes && double(extent.count) <= limits::kCount.hi && hasEllipsoids(wish.points, file);
     const char* const model = contents.tetrahedra ? kTetrahedraMedium : ellipsoids ? kEllipsoidMedium : kSumMedium;
     UploadFrame frame(extent, wish.options);
     Scene scene = sceneOf(fmt::format("origin = [{:.1f}, {:.1f}, {:.1f}]\n[medium]\nmodel = \"{}\"\nlayout = \"file\"\n"

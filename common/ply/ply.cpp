@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/ellipsoid.h"
 #include "common/plain_file.h"
 #include "common/ply/axes.h"
 #include "common/ply/cells.h"
@@ -248,6 +249,12 @@ PlyContents contentsOf(std::string_view bytes, const std::string& name) {
     PlyContents out{.splats = packed || ply::holdsSplats(vertex), .tetrahedra = tetrahedron && tetrahedron->count > 0};
     out.axes = packed || (out.splats ? vertex.has("scale_1") : vertex.has("axis_a_x") && vertex.has("axis_c_z"));
     return out;
+}
+
+bool hasEllipsoids(std::string_view bytes, const std::string& name) {
+    const PointCloud cloud = parsePly(bytes, name, {}, {.axes = true});
+    constexpr float kRound = 0.99f;
+    return std::ranges::any_of(cloud.axes, [](const gpu::EllipsoidAxes& one) { return shortestAxis(one) < kRound; });
 }
 
 bool holdsPoints(const std::filesystem::path& file) {

@@ -100,5 +100,8 @@ struct PlyContents {
 };
 // Throws SceneError for a header that parsePly() would refuse.
 PlyContents contentsOf(std::string_view bytes, const std::string& name);
+// True: some point's axes differ by more than a hundredth. Throws SceneError for a file that parsePly() would refuse.
+// Precondition: its points have axes.
+bool hasEllipsoids(std::string_view bytes, const std::string& name);
 
 } // namespace brume

@@ -76,7 +76,7 @@ std::string memoryRefusal(uint32_t count, uint64_t most, uint64_t besides, const
 
 uint32_t boundedCapacity(const Scene& scene, const Simulation& simulation, uint64_t most) {
     const uint64_t voxels = volumeMemory(scene.volume.get()).total();
-    if (voxels + particleMemory(simulation.capacity()).total() > most)
+    if (scene.volume && voxels + particleMemory(simulation.capacity()).total() > most)
         throw SceneError(
             fmt::format("scene '{}': its volume takes {} MiB, --memory allows {}: use fewer voxels or allow "
                         "more",

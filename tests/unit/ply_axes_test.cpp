@@ -60,6 +60,12 @@ TEST(PlyAxes, ThoseThatCannotBeDropTheirPoint) {
         << cloud.first_dropped;
 }
 
+TEST(PlyAxes, OfOneLengthAreThoseOfBalls) {
+    const std::string ball = "0 0 0 2 1 3 0 0 0 3 0 0 0 2.99\n", disc = "0 0 0 2 1 1 0 0 0 1 0 0 0 0.9\n";
+    EXPECT_FALSE(hasEllipsoids(asciiPly(kAxes, ball + ball), "a.ply"));
+    EXPECT_TRUE(hasEllipsoids(asciiPly(kAxes, ball + disc), "a.ply"));
+}
+
 TEST(PlyAxes, AFileWithoutThemSaysWhatIsExpected) {
     try {
         parsePly(test::fourWith("property float axis_a_x\n", "1"), "a.ply", {}, {.axes = true});
