@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <utility>
 
+#include "common/medium_files.h"
 #include "common/meshes.h"
 #include "common/numbered_files.h"
 #include "common/object_layout.h"
@@ -14,10 +14,8 @@
 #include "common/scene_reader.h"
 #include "common/scene_text.h"
 #include "common/settings.h"
-#include "common/tetrahedra.h"
 #include "common/text.h"
 #include "common/toml_text.h"
-#include "common/volume/volume.h"
 
 namespace brume {
 
@@ -153,48 +151,6 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
                 "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) +
                     " to " + std::to_string(static_cast<uint64_t>(limits::kCount.hi)));
-}
-
-// What `load` makes of a medium's file. That of a file that is still in use is not read again while it is the same: a
-// server reads a scene several times, and half a million tetrahedra take seconds.
-template <class T, class Load>
-std::shared_ptr<const T> keptOf(const Medium& medium, const glm::dvec3& origin, const Load& load) {
-    struct Source {
-        std::filesystem::path file;
-        uintmax_t bytes = 0;
-        std::filesystem::file_time_type changed;
-        PlyFrame frame;
-        bool operator==(const Source&) const = default;
-    };
-    static std::mutex mutex;
-    static Source last;
-    static std::weak_ptr<const T> kept;
-    std::error_code error;
-    const Source now{medium.file, std::filesystem::file_size(medium.file, error),
-                     std::filesystem::last_write_time(medium.file, error), frameOf(medium, origin)};
-    const std::scoped_lock lock(mutex);
-    if (!error && now == last)
-        if (auto same = kept.lock()) return same;
-    auto read = std::make_shared<const T>(load(now.frame));
-    last = now, kept = read;
-    return read;
-}
-
-// Null with another model.
-std::shared_ptr<const Tetrahedra> tetrahedraOf(const Medium& medium, const glm::dvec3& origin) {
-    if (medium.model != kTetrahedraMedium) return nullptr;
-    return keptOf<Tetrahedra>(medium, origin, [&](const PlyFrame& frame) {
-        PointCloud cloud = loadPly(medium.file, frame, {.tetrahedra = true});
-        return connected(std::move(cloud.tetrahedra), cloud.position, medium.file.string(), cloud.vertex);
-    });
-}
-
-// Null with another layout.
-std::shared_ptr<const Volume> volumeOf(const Medium& medium, const glm::dvec3& origin) {
-    if (medium.layout != Layout::volume) return nullptr;
-    return keptOf<Volume>(medium, origin, [&](const PlyFrame& frame) {
-        return loadVolume(medium.file, frame, uint64_t(limits::kVolumeNodes.hi));
-    });
 }
 
 // Near the points of the medium's file.
