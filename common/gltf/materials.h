@@ -14,9 +14,9 @@ struct Material {
     enum class Alpha { opaque, mask, blend };
 
     glm::vec4 factor{1}; // base colour: linear, alpha last
-    Texture texture;     // of the base colour
+    Texture texture;     // texture of the base colour
     Alpha alpha = Alpha::opaque;
-    float cutoff = 0.5f; // of a mask: below it nothing is visible
+    float cutoff = 0.5f; // alpha of a mask, below which nothing is visible
 
     // Whether nothing is visible of what has this alpha.
     bool hides(float of) const;
@@ -35,7 +35,7 @@ private:
     File& file_;
     Textures textures_;
     std::map<size_t, Material> materials_;
-    Material plain_; // of a primitive without one
+    Material plain_; // material of a primitive without one
 };
 
 } // namespace brume::gltf

@@ -157,7 +157,7 @@ private:
     size_t most_, left_ = most_;    // copies
     std::vector<glm::dmat4> world_; // from each node that was visited
     std::vector<bool> visited_;
-    std::map<size_t, std::vector<glm::dmat4>> joints_; // of each skin
+    std::map<size_t, std::vector<glm::dmat4>> joints_; // matrices of each skin's joints
 };
 
 } // namespace

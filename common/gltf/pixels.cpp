@@ -48,7 +48,8 @@ Pixels ofJpeg(const Bytes& file, const Allowed& allowed) {
     if (!reader) fail("too little memory for a JPEG image");
     Pixels out;
     const auto check = [&](int result) {
-        const bool whole = result == 0 || tjGetErrorCode(reader.get()) == TJERR_WARNING; // of a cut one, a part
+        const bool whole = result == 0 || tjGetErrorCode(reader.get()) ==
+                                              TJERR_WARNING; // true: also of a cut image, of which a part is there
         if (!whole || out.width == 0)
             fail("a broken JPEG image: {}", shortened(tjGetErrorStr2(reader.get()), kLongestReason));
     };

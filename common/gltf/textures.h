@@ -11,8 +11,9 @@
 
 namespace brume::gltf {
 
-inline constexpr int kMostTexels = 4096;                                           // a side, of an image
-inline constexpr size_t kMostTexelsInAll = 32 * size_t(kMostTexels) * kMostTexels; // of all images that are decoded
+inline constexpr int kMostTexels = 4096; // a side, of an image
+inline constexpr size_t kMostTexelsInAll =
+    32 * size_t(kMostTexels) * kMostTexels; // texels of all images that are decoded
 
 // An image in halves of halves, down to one texel.
 class Image {
@@ -62,7 +63,7 @@ private:
 
     File& file_;
     std::map<std::pair<size_t, bool>, std::shared_ptr<const Image>> images_;
-    size_t left_ = kMostBytes; // of images in memory
+    size_t left_ = kMostBytes; // bytes that images in memory may still take
     size_t texels_left_ = kMostTexelsInAll;
 };
 

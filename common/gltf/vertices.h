@@ -23,7 +23,7 @@ public:
     glm::dvec4 colour(size_t i) const;
     // True: there are texture coordinates of this set.
     bool hasSet(size_t set);
-    glm::dvec2 coordinates(size_t i) const; // of the set that hasSet() was asked last
+    glm::dvec2 coordinates(size_t i) const; // texture coordinates of the set that hasSet() was asked last
 
 private:
     struct Influence {

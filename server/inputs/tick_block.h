@@ -16,7 +16,8 @@ namespace brume {
 gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu::Particle> particles,
                    std::span<const gpu::Opaque> objects, std::span<const gpu::Particle> balls = {});
 
-// Balls with the ellipsoids' volumes, into `out`. Nothing for no axes.
+// Balls that bend as much at their middles as the ellipsoids do on average, with the same mass, into `out`. Nothing for
+// no axes.
 void ballsOf(std::span<const gpu::Particle> particles, std::span<const gpu::EllipsoidAxes> axes,
              std::vector<gpu::Particle>& out);
 

@@ -51,7 +51,7 @@ ParticleMemory tetrahedraMemory(const Tetrahedra* mesh) {
 }
 
 ParticleMemory ellipsoidMemory(size_t count) {
-    return {count * kParticle, // as balls of their volume
+    return {count * kParticle, // as balls, ballsOf()
             count *
                 ((1 + kSubmissions) * sizeof(gpu::EllipsoidAxes) + 2 * sizeof(gpu::Skew))}; // of light and of members
 }

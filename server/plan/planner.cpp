@@ -75,7 +75,7 @@ PlanScene planScene(const Scene& scene, const Simulation& simulation, const std:
     out.particles = uint32_t(particles.size());
     out.capacity = simulation.capacity();
     out.extent = mediumExtent(particles, out.tick.falloff, out.tick.cut, out.features.tetrahedra);
-    if (!balls.empty()) { // laws of errors take each for the ball of its volume
+    if (!balls.empty()) { // laws of errors take each for a ball
         out.extent.deviation = mediumExtent(balls, out.tick.falloff, out.tick.cut).deviation;
         particles = std::move(balls);
     }
