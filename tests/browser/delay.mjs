@@ -9,15 +9,18 @@ export async function startDelay(url, ms, rate = Infinity) {
   const { hostname, port } = new URL(url);
   const sockets = new Set();
   const pass = (from, to, most = Infinity) => {
-    const later = (act) => setTimeout(() => to.destroyed || act(), ms); // timers of one length keep their order
+    const waiting = []; // in the order of the bytes, which timers of several lengths do not keep
     let free = 0; // when the narrow way has passed on what came before
-    const through = (packet) => {
-      free = Math.max(free, performance.now()) + (1000 * packet.length) / most;
-      setTimeout(() => to.destroyed || to.write(packet), ms + free - performance.now());
+    const later = (act, bytes = 0) => {
+      const now = performance.now();
+      free = Math.max(free, now) + (1000 * bytes) / most;
+      waiting.push(act);
+      setTimeout(() => waiting.shift()(), ms + free - now);
     };
+    const send = (packet) => later(() => to.destroyed || to.write(packet), packet.length);
     from.on('data', (chunk) => {
-      if (most === Infinity) return later(() => to.write(chunk));
-      for (let at = 0; at < chunk.length; at += PACKET) through(chunk.subarray(at, at + PACKET));
+      if (most === Infinity) return send(chunk);
+      for (let at = 0; at < chunk.length; at += PACKET) send(chunk.subarray(at, at + PACKET));
     });
     from.on('end', () => later(() => to.end()));
     from.on('error', () => later(() => to.destroy()));
