@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/import/octree.h"
+#include "tools/import/path.h"
+#include "tools/import/pictures.h"
 #include "tools/import/rasterise.h"
 #include "tools/import/rays.h"
 #include "tools/import/samples.h"
@@ -34,7 +36,7 @@ double massOf(const std::vector<Kernel>& kernels) {
 
 // Samples of a Gaussian whose deviation between the samples is that of the kernel's.
 Voxels samplesOf(const Kernel& kernel) {
-    const double deviation = double(kernel.deviation);
+    const double deviation = std::sqrt(kernel.spread[0][0]);
     const double peak = double(kernel.mass) / std::pow(deviation * std::sqrt(2 * std::numbers::pi), 3);
     const Ball ball{kernel.at, deviation, peak};
     return rasterised({&ball, 1}, 0).voxels;
@@ -51,8 +53,8 @@ TEST(ImportFit, KeepsTheMass) {
 
 TEST(ImportFit, RoundsKeepTheMassByThemselves) {
     const Voxels voxels = noise();
-    Mixture mixture(voxels, {}, Octree(voxels, {}, 0.1).choose(1e-6));
-    mixture.refine(3, true);
+    Mixture mixture(voxels, {}, Octree(voxels, {}, 0.1, false).choose(1e-6));
+    mixture.refine(3, Follow::place_and_width);
     EXPECT_NEAR(massOf(mixture.kernels()) / voxels.sum(), 1, 1e-4); // single precision in each round
 }
 
@@ -64,7 +66,7 @@ TEST(ImportFit, FindsAGaussianOfTheLatticeAgain) {
     for (int n = 0; n < 27; ++n)
         lattice.push_back(kernelOf(shape, 2, truth.cell + glm::ivec3(n / 9, n / 3 % 3, n % 3) - 1, 1));
     Mixture mixture(voxels, shape, lattice);
-    mixture.refine(200, false);
+    mixture.refine(200, Follow::nothing);
     for (const Kernel& kernel : mixture.kernels()) // the others go to 0, ever slower
         EXPECT_NEAR(kernel.mass, kernel.cell == truth.cell ? 5 : 0, kernel.cell == truth.cell ? 0.25 : 0.05);
 }
@@ -73,14 +75,78 @@ TEST(ImportFit, FindsPlaceAndWidthOfAGaussianBesideTheLattice) {
     const Shape shape;
     Kernel truth = kernelOf(shape, 2, {0, 0, 0}, 3);
     truth.at += glm::dvec3(0.7, -1.1, 0.4);
-    truth.deviation *= 1.2f;
+    truth.spread *= 1.2 * 1.2;
     const Voxels voxels = samplesOf(truth);
     Mixture mixture(voxels, shape, {kernelOf(shape, 2, {0, 0, 0}, 1)});
-    mixture.refine(40, true);
+    mixture.refine(40, Follow::place_and_width);
     const Kernel& found = mixture.kernels().front();
     EXPECT_LT(glm::length(found.at - truth.at), 0.01);
-    EXPECT_NEAR(found.deviation / truth.deviation, 1, 0.02); // it ends at 3.4 deviations
-    EXPECT_NEAR(found.mass, 3, 0.02);                        // so some mass lies beyond
+    EXPECT_NEAR(std::sqrt(found.spread[0][0] / truth.spread[0][0]), 1, 0.02); // it ends at 3.4 deviations
+    EXPECT_NEAR(found.mass, 3, 0.02);                                         // so some mass lies beyond
+}
+
+// A disc, tilted against the lattice.
+Kernel disc() {
+    Kernel out = kernelOf({}, 3, {0, 0, 0}, 40);
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -1)), u = acrossOf(normal), v = glm::cross(normal, u);
+    const glm::dmat3 unit(u, v, normal);
+    glm::dmat3 scaled = unit;
+    scaled[0] *= 5.5 * 5.5, scaled[1] *= 3.0 * 3.0, scaled[2] *= 0.9 * 0.9;
+    out.spread = scaled * glm::transpose(unit);
+    out.at += glm::dvec3(0.8, -0.6, 1.1);
+    return out;
+}
+
+// Samples of a Gaussian at the voxels' centres, by its formula.
+Voxels samplesOfAny(const Kernel& kernel) {
+    const glm::dmat3 precision = glm::inverse(kernel.spread);
+    const double peak =
+        double(kernel.mass) / std::sqrt(std::pow(2 * std::numbers::pi, 3) / glm::determinant(precision));
+    return sampled(glm::ivec3(-32), glm::ivec3(40), 0, [&](glm::ivec3 voxel) {
+        const glm::dvec3 d = glm::dvec3(voxel) - kernel.at;
+        return float(peak * std::exp(-0.5 * glm::dot(d, precision * d)));
+    });
+}
+
+TEST(ImportFit, FindsTheAxesOfATiltedDisc) {
+    const Kernel truth = disc();
+    const Voxels voxels = samplesOfAny(truth);
+    Mixture mixture(voxels, {}, {kernelOf({}, 3, {0, 0, 0}, 1)});
+    mixture.refine(40, Follow::place_and_axes);
+    const Kernel& found = mixture.kernels().front();
+    EXPECT_LT(glm::length(found.at - truth.at), 0.01);
+    EXPECT_NEAR(found.mass / truth.mass, 1, 0.005);
+    const glm::dvec3 got = principalAxes(found.spread).deviation, meant = principalAxes(truth.spread).deviation;
+    EXPECT_NEAR(std::min({got.x, got.y, got.z}) / std::min({meant.x, meant.y, meant.z}), 1, 0.02); // it ends at 4
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(found.spread[i][j], truth.spread[i][j], 0.02 * 5.5 * 5.5);
+}
+
+TEST(ImportFit, WeightsOfEllipsoidsAddUpToTheirMass) {
+    for (const double thin : {0.35, 0.45, 0.7, 2.0}) {
+        Kernel kernel = disc();
+        kernel.spread = clampedSpread(kernel.spread, thin, std::max(thin, 4.0));
+        const Voxels around = sampled(glm::ivec3(-32), glm::ivec3(40), -1, [](glm::ivec3) { return 1.0f; });
+        double sum = 0;
+        for (const float value : Mixture(around, {}, {kernel}).sums()) sum += double(value);
+        EXPECT_NEAR(sum / double(kernel.mass), 1, 2e-3) << thin;
+    }
+}
+
+TEST(ImportFit, EllipsoidsAreFewerForASlantedSheet) {
+    const Voxels voxels = sampled(glm::ivec3(-16), glm::ivec3(16), 1e-3f, [](glm::ivec3 v) {
+        const double off = glm::dot(glm::dvec3(v), glm::normalize(glm::dvec3(2, 5, 1)));
+        const double across = glm::dot(glm::dvec3(v), glm::dvec3(v)) - off * off;
+        return float(std::exp(-off * off / 4 - across / 100));
+    });
+    const Fit balls = fit(voxels, {.error = 0.05, .per_value = 0.1});
+    const Fit ellipsoids = fit(voxels, {.error = 0.05, .per_value = 0.1, .ellipsoids = true});
+    EXPECT_TRUE(balls.kept);
+    EXPECT_TRUE(ellipsoids.kept);
+    EXPECT_LT(ellipsoids.kernels.size() * 5, balls.kernels.size());
+    EXPECT_NEAR(massOf(ellipsoids.kernels) / voxels.sum(), 1, 1e-6);
+    const Rays others(voxels, 0.1, 64, 20, 99);
+    EXPECT_LE(others.errorOf(ellipsoids.kernels).worst(), 1.1 * 0.05);
 }
 
 TEST(ImportFit, AnEvenCubeIsEvenInside) {
@@ -89,7 +155,7 @@ TEST(ImportFit, AnEvenCubeIsEvenInside) {
     std::vector<Kernel> lattice;
     for (int n = 0; n < 12 * 12 * 12; ++n) lattice.push_back(kernelOf(shape, 2, {n / 144, n / 12 % 12, n % 12}, 64));
     Mixture mixture(voxels, shape, lattice);
-    mixture.refine(24, false);
+    mixture.refine(24, Follow::nothing);
     const std::vector<float> sums = mixture.sums();
     double worst = 0;
     for (size_t i = 0; i < sums.size(); ++i) {
@@ -133,7 +199,7 @@ TEST(ImportFit, TwoRunsAreEqual) {
     for (size_t i = 0; i < a.size(); ++i) {
         EXPECT_EQ(a[i].at, b[i].at);
         EXPECT_EQ(a[i].mass, b[i].mass);
-        EXPECT_EQ(a[i].deviation, b[i].deviation);
+        EXPECT_EQ(a[i].spread, b[i].spread);
     }
 }
 
@@ -194,9 +260,37 @@ TEST(ImportRays, AGaussianItselfHasHardlyAnError) {
     EXPECT_NEAR(rays.errorOf({}).worst(), 1, 1e-12);
 }
 
+TEST(ImportRays, SumsOfATiltedDiscAreThoseOfItsSamples) {
+    Kernel kernel = disc();
+    const Voxels voxels = samplesOfAny(kernel);
+    const Rays rays(voxels, 0.5);
+    EXPECT_LT(rays.errorOf({&kernel, 1}).worst(), 0.02); // 0.9 voxels wide, so that linear parts are not smooth
+    kernel.spread = kernel.spread * 1.2;
+    EXPECT_GT(rays.errorOf({&kernel, 1}).worst(), 0.05);
+}
+
+TEST(ImportPictures, AFactorIsSeenAsMuchAsTheMediumIsThin) {
+    const Voxels voxels = noise();
+    std::vector<float> more(voxels.values().begin(), voxels.values().end());
+    const auto errorWith = [&](double per_value) { return Pictures(voxels, per_value).errorOf(more); };
+    EXPECT_EQ(errorWith(0.1), 0);
+    for (float& value : more) value *= 1.1f;
+    EXPECT_NEAR(errorWith(1e-4), 0.1, 2e-3); // light is in proportion to what scatters it
+    EXPECT_LT(errorWith(1), 0.05);           // and not where hardly any gets through
+}
+
+TEST(ImportPictures, ShadowsAreSeenThatDepthsDoNotTell) {
+    // The front half before the back half, and the other way round: the same depths from there.
+    const auto slab = [](float first, float second) {
+        return sampled(glm::ivec3(0), glm::ivec3(31), 0, [=](glm::ivec3 v) { return v.z < 16 ? first : second; });
+    };
+    const Voxels a = slab(1, 0.1f), b = slab(0.1f, 1);
+    EXPECT_GT(Pictures(a, 0.1).errorOf(b.values()), 0.2);
+}
+
 TEST(ImportOctree, ADearParticleIsWiderOrNone) {
     const Voxels voxels = noise();
-    const Octree tree(voxels, {}, 0.1);
+    const Octree tree(voxels, {}, 0.1, false);
     EXPECT_TRUE(tree.choose(1e6).empty());
     EXPECT_EQ(tree.choose(1e-30).size(), voxels.active());
     size_t last = voxels.active();

@@ -74,11 +74,11 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 
 class Bench {
 public:
-    Bench(std::filesystem::path folder, double error, bool lattice)
-        : folder_(std::move(folder)), error_(error), lattice_(lattice) {
+    Bench(std::filesystem::path folder, double error, bool lattice, bool ellipsoids)
+        : folder_(std::move(folder)), error_(error), lattice_(lattice), ellipsoids_(ellipsoids) {
         std::filesystem::create_directories(folder_);
         std::printf(
-            "| volume | active voxels | error asked | measured: depth, stopped | particles | voxels a particle | "
+            "| volume | active voxels | error asked | measured: depth, stopped, picture | particles | voxels a particle | "
             "s | lattice: spacing, particles, error, s |\n|---|---|---|---|---|---|---|---|\n");
     }
 
@@ -120,36 +120,38 @@ private:
         settings.out = out;
         settings.placing.density = density;
         settings.fit.error = error_;
+        settings.fit.ellipsoids = ellipsoids_;
         return settings;
     }
 
     void row(const std::string& name, const volumes::Imported& got, double took) const {
-        std::printf("| %s | %llu | %g | %.4f, %.4f%s | %llu | %.1f | %.1f |", name.c_str(),
+        std::printf("| %s | %llu | %g | %.4f, %.4f, %.4f%s | %llu | %.1f | %.1f |", name.c_str(),
                     static_cast<unsigned long long>(got.voxels), error_, got.error.depth, got.error.opacity,
-                    got.kept ? "" : ", missed", static_cast<unsigned long long>(got.points),
+                    got.error.picture, got.kept ? "" : ", missed", static_cast<unsigned long long>(got.points),
                     double(got.voxels) / double(got.points), took);
     }
 
     std::filesystem::path folder_;
     double error_;
-    bool lattice_;
-}; // namespace
+    bool lattice_, ellipsoids_;
+};
 
 } // namespace
 
 int main(int argc, char** argv) {
     std::filesystem::path folder = "build/import";
     double error = 0.01;
-    bool without_lattice = false;
+    bool without_lattice = false, ellipsoids = false;
     std::vector<std::string> only;
     CLI::App app{"brume-import-bench: imports six volumes that it makes, and prints a table (Markdown)."};
     app.add_option("--folder", folder, "for the volumes and the clouds")->capture_default_str();
     app.add_option("--error", error)->capture_default_str();
     app.add_option("--only", only, "names of volumes");
     app.add_flag("--without-lattice", without_lattice);
+    app.add_flag("--ellipsoids", ellipsoids, "in place of balls; not of the sequence");
     CLI11_PARSE(app, argc, argv);
     try {
-        Bench bench(folder, error, !without_lattice);
+        Bench bench(folder, error, !without_lattice, ellipsoids);
         const auto wanted = [&](const char* name) {
             return only.empty() || std::ranges::find(only, name) != only.end();
         };
@@ -161,7 +163,7 @@ int main(int argc, char** argv) {
             bench.volume("ball", volumeOf(volumes::sampled(glm::ivec3(-62), glm::ivec3(62), 0, ballAt), 1), 0.1);
         if (wanted("sheet"))
             bench.volume("sheet", volumeOf(volumes::sampled({-90, -20, -90}, {90, 20, 90}, 0, sheetAt), 1), 0.5);
-        if (wanted("puff")) bench.sequence("puff", 6);
+        if (wanted("puff") && !ellipsoids) bench.sequence("puff", 6);
         return 0;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "brume-import-bench: %s\n", e.what());

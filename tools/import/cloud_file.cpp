@@ -67,19 +67,27 @@ Cloud cloudOf(const Volume& volume, const std::vector<Kernel>& kernels, const Pl
     Cloud out;
     out.coloured = !volume.albedo.empty();
     out.has_ids = ids != nullptr;
+    out.has_axes = !std::ranges::all_of(kernels, isBall);
     if (ids) ids->begin(volume);
+    const glm::dmat3 turn = volume.turn / volume.width; // of a direction
     for (const Kernel& kernel : kernels) {
-        glm::dvec3 at = (volume.origin + volume.turn * kernel.at) * placing.scale;
-        if (placing.z_up) at = {at.x, at.z, -at.y};
-        const double deviation = trueDeviation(kernel); // voxels
-        const double volume_of = std::pow(2 * std::numbers::pi, 1.5) * deviation * deviation * deviation;
+        const auto turned = [&](glm::dvec3 v) { return placing.z_up ? glm::dvec3(v.x, v.z, -v.y) : v; };
+        const glm::dvec3 at = turned((volume.origin + volume.turn * kernel.at) * placing.scale);
+        const PrincipalAxes axes = principalAxes(trueSpread(kernel));
+        const glm::dvec3 deviation = axes.deviation; // voxels
+        const double longest = std::max({deviation.x, deviation.y, deviation.z});
+        const double volume_of = std::pow(2 * std::numbers::pi, 1.5) * deviation.x * deviation.y * deviation.z;
         const double sigma_t = placing.density * double(kernel.mass) / volume_of;
-        const double scale = 10 * deviation * volume.width * placing.scale / placing.falloff;
+        const double scale = 10 * longest * volume.width * placing.scale / placing.falloff;
         check("scale", "m", scale, limits::kScale, "another --scale");
         check("extinction", "1/m", sigma_t, limits::kSigmaT, "a lower --density");
         for (int axis = 0; axis < 3; ++axis) check("place", "m", at[axis], limits::kPlace, "a lower --scale");
-        out.points.push_back({glm::vec3(at), float(scale), float(sigma_t),
-                              out.coloured ? albedoOf(volume, kernel) : glm::vec3(1), ids ? ids->of(kernel) : 0});
+        Cloud::Point& point = out.points.emplace_back();
+        point = {.at = glm::vec3(at), .scale = float(scale), .sigma_t = float(sigma_t)};
+        if (out.coloured) point.albedo = albedoOf(volume, kernel);
+        if (ids) point.id = ids->of(kernel);
+        for (int axis = 0; axis < 3; ++axis)
+            point.axes[axis] = glm::vec3(turned(turn * axes.unit[axis]) * (deviation[axis] / longest));
     }
     return out;
 }
@@ -92,6 +100,9 @@ void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std
         bytes += fmt::format("property float {}\n", name);
     if (cloud.coloured)
         for (const char* const name : {"red", "green", "blue"}) bytes += fmt::format("property float {}\n", name);
+    if (cloud.has_axes)
+        for (const char axis : {'a', 'b', 'c'})
+            for (const char along : {'x', 'y', 'z'}) bytes += fmt::format("property float axis_{}_{}\n", axis, along);
     if (cloud.has_ids) bytes += "property int id\n";
     bytes += "end_header\n";
     for (const Cloud::Point& point : cloud.points) {
@@ -99,6 +110,7 @@ void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std
         append(bytes, point.scale);
         append(bytes, point.sigma_t);
         for (int channel = 0; cloud.coloured && channel < 3; ++channel) append(bytes, point.albedo[channel]);
+        for (int n = 0; cloud.has_axes && n < 9; ++n) append(bytes, point.axes[n / 3][n % 3]);
         if (cloud.has_ids) append(bytes, point.id);
     }
     std::ofstream out(file, std::ios::binary);

@@ -42,13 +42,14 @@ private:
 
 struct Cloud {
     struct Point {
-        glm::vec3 at;
+        glm::vec3 at; // m
         float scale, sigma_t;
-        glm::vec3 albedo;
-        int32_t id;
+        glm::vec3 albedo{1};
+        int32_t id = 0;
+        glm::mat3 axes{1}; // columns at right angles, the longest of length 1
     };
     std::vector<Point> points;
-    bool coloured = false, has_ids = false;
+    bool coloured = false, has_ids = false, has_axes = false; // what their file says of them
 };
 
 // `ids`: null for points without. Throws ImportError for points that a scene cannot have.

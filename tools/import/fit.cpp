@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "tools/import/octree.h"
+#include "tools/import/pictures.h"
 
 namespace brume::volumes {
 
@@ -60,14 +61,22 @@ private:
     std::map<double, double> tried_;
 };
 
-Fit fitted(const Voxels& voxels, const FitSettings& settings, const Shape& shape, const Rays& rays,
-           std::vector<Kernel> kernels, bool shapes) {
+// What fits are measured by.
+struct Seen {
+    Rays rays;
+    Pictures pictures;
+    Seen(const Voxels& voxels, double per_value) : rays(voxels, per_value), pictures(voxels, per_value) {}
+};
+
+Fit fitted(const Voxels& voxels, const FitSettings& settings, const Shape& shape, const Seen& seen,
+           std::vector<Kernel> kernels, Follow follow) {
     Mixture mixture(voxels, shape, std::move(kernels));
-    mixture.refine(settings.rounds, shapes);
+    mixture.refine(settings.rounds, follow);
     mixture.keepMass();
     Fit out;
     out.kernels = mixture.kernels();
-    out.error = rays.errorOf(out.kernels);
+    out.error = seen.rays.errorOf(out.kernels);
+    out.error.picture = seen.pictures.errorOf(mixture.sums());
     out.kept = out.error.worst() <= settings.error;
     return out;
 }
@@ -93,8 +102,9 @@ std::vector<Kernel> latticeOf(const Voxels& voxels, const Shape& shape) {
 } // namespace
 
 Fit fit(const Voxels& voxels, const FitSettings& settings) {
-    const Rays rays(voxels, settings.per_value);
-    const Octree tree(voxels, settings.shape, settings.per_value);
+    const Seen seen(voxels, settings.per_value);
+    const Octree tree(voxels, settings.shape, settings.per_value, settings.ellipsoids);
+    const Follow follow = settings.ellipsoids ? Follow::place_and_axes : Follow::place_and_width;
     const double least = priceOf(tree, settings.most);
     Search search(settings.error, least);
     Fit best;
@@ -103,7 +113,7 @@ Fit fit(const Voxels& voxels, const FitSettings& settings) {
          price > 0 && tried < kMostFits; price = search.next()) {
         std::vector<Kernel> chosen = tree.choose(price);
         if (chosen.empty()) chosen = tree.choose(least);
-        Fit now = fitted(voxels, settings, settings.shape, rays, std::move(chosen), true);
+        Fit now = fitted(voxels, settings, settings.shape, seen, std::move(chosen), follow);
         search.add(price, now.error.worst());
         if (tried++ == 0 || better(now, best)) best = std::move(now);
     }
@@ -112,11 +122,11 @@ Fit fit(const Voxels& voxels, const FitSettings& settings) {
 }
 
 Fit fitLattice(const Voxels& voxels, const FitSettings& settings, double& spacing) {
-    const Rays rays(voxels, settings.per_value);
+    const Seen seen(voxels, settings.per_value);
     const auto at = [&](double width) {
         Shape shape = settings.shape;
         shape.width = width;
-        return fitted(voxels, settings, shape, rays, latticeOf(voxels, shape), false);
+        return fitted(voxels, settings, shape, seen, latticeOf(voxels, shape), Follow::nothing);
     };
     spacing = 1;
     Fit best = at(spacing);

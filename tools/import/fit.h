@@ -15,7 +15,8 @@ struct FitSettings {
     uint64_t most = 1'000'000; // Gaussians
     double per_value = 1;      // optical depth of a voxel of value 1
     Shape shape{};
-    int rounds = 24; // of each fit
+    bool ellipsoids = false; // True: Gaussians of three axes; otherwise balls
+    int rounds = 24;         // of each fit
 };
 
 struct Fit {

@@ -80,14 +80,14 @@ public:
         const Cloud cloud = cloudOf(volume, fit.kernels, settings_.placing, ids);
         writeCloud(out, cloud,
                    {"made by brume-import from " + in.filename().string(),
-                    fmt::format("relative RMSE of optical depth {:.4g}, of what is stopped {:.4g}", fit.error.depth,
-                                fit.error.opacity),
+                    fmt::format("relative RMSE of optical depth {:.4g}, of what is stopped {:.4g}, of pictures {:.4g}",
+                                fit.error.depth, fit.error.opacity, fit.error.picture),
                     fmt::format("for medium.falloff = {:g}; a value of 1 is {:g} 1/m", settings_.placing.falloff,
                                 settings_.placing.density)});
         say_(fmt::format("{}: {} particles for {} voxels, {:.1f} times fewer; error {:.3g} of optical depth, {:.3g} of "
-                         "what is stopped; mass {:.6g} m2; {:.1f} s",
+                         "what is stopped, {:.3g} of pictures; mass {:.6g} m2; {:.1f} s",
                          out.string(), fit.kernels.size(), voxels, double(voxels) / double(fit.kernels.size()),
-                         fit.error.depth, fit.error.opacity, mass, seconds() - begun));
+                         fit.error.depth, fit.error.opacity, fit.error.picture, mass, seconds() - begun));
         if (!fit.kept) say_(missed(fit, settings_.fit));
         result.kept = result.kept && fit.kept;
         result.voxels = voxels;
@@ -133,6 +133,7 @@ Imported importFiles(const ImportSettings& settings, const std::function<void(co
         importer.file(settings.in, settings.out, nullptr);
         return importer.result;
     }
+    if (settings.fit.ellipsoids) throw ImportError("a sequence has no ellipsoids: leave out --ellipsoids");
     CellIds ids;
     for (const auto& [number, in] : numberedFiles(settings.in))
         importer.file(in, settings.out.parent_path() / numbered(settings.out.filename().string(), number), &ids);

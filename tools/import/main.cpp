@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
         "themselves (out.nrrd), for medium.layout = \"volume\".\n"
         "With a # for each digit of a number all frames (smoke_####.vdb out_####.ply), for medium.layout =\n"
         "\"sequence\".\n"
-        "The error is the relative RMSE of many rays' optical depths, and of 1 - exp(-depth): the larger of both.\n"
+        "The error is the relative RMSE of many rays' optical depths, of 1 - exp(-depth), and of the pixels of pictures\n"
+        "lit by a sun: the largest of the three.\n"
         "Exit status: 0, 1 for what cannot be done, 2 if the error is above the bound; the file is written then, too."};
     std::string up = "y";
     app.set_version_flag("--version", BRUME_VERSION);
@@ -25,6 +26,8 @@ int main(int argc, char** argv) {
     allow(app.add_option("--error", settings.fit.error, "allowed error")->capture_default_str(), 1e-4, 1.0);
     allow(app.add_option("--most", settings.fit.most, "particles at most")->capture_default_str(), uint64_t(1),
           uint64_t(limits::kCount.hi));
+    app.add_flag("--ellipsoids", settings.fit.ellipsoids,
+                 "particles of three axes, for medium.model = \"ellipsoids\": fewer for the same error");
     app.add_option("--grid", settings.wanted.grid, "the grid of extinctions")->capture_default_str();
     app.add_option("--albedo", settings.wanted.albedo,
                    "the grid of albedos, or none; otherwise albedo, color or Cd, if there is one");

@@ -70,8 +70,9 @@ void Octree::forParts(const Cell& cell, const Visit& visit) const {
     }
 }
 
-Octree::Octree(const Voxels& voxels, Shape shape, double per_value)
-    : voxels_(voxels), shape_(shape), weights_(voxels, per_value) {
+Octree::Octree(const Voxels& voxels, Shape shape, double per_value, bool ellipsoids)
+    : voxels_(voxels), shape_(shape), follow_(ellipsoids ? Follow::place_and_axes : Follow::nothing),
+      weights_(voxels, per_value) {
     for (int level = 1; level < kLevels; ++level) {
         makeCells(level);
         measure(level);
@@ -108,7 +109,7 @@ void Octree::measure(int level) {
     kernels.reserve(cells.size());
     for (const Cell& cell : cells) kernels.push_back(kernelOf(shape_, level, cell.at, cell.mass));
     Mixture lattice(voxels_, shape_, std::move(kernels));
-    lattice.refine(kRounds, false);
+    lattice.refine(kRounds, follow_);
     const std::vector<float> sums = lattice.sums();
     const int width = std::min(1 << level, kSide), parts = kSide / width;
     std::vector<float> left, without;

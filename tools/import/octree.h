@@ -34,7 +34,7 @@ private:
 class Octree {
 public:
     // Fits a lattice of one spacing for each level, to know what is left of the voxels there. `voxels` must outlive it.
-    Octree(const Voxels& voxels, Shape shape, double per_value);
+    Octree(const Voxels& voxels, Shape shape, double per_value, bool ellipsoids);
 
     // The cells for which squared error + price * number of Gaussians is least. The masses are those of the voxels.
     std::vector<Kernel> choose(double price) const;
@@ -57,6 +57,7 @@ private:
 
     const Voxels& voxels_;
     Shape shape_;
+    Follow follow_; // of the lattices
     ColumnWeights weights_;
     std::array<std::vector<Cell>, kLevels> cells_; // from level 1 on, by their Morton numbers
 };

@@ -1,6 +1,7 @@
 // Optical depths along many rays through voxels, and how far those of Gaussians are from them. All in double precision.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,11 +17,9 @@ namespace brume::volumes {
 struct SeenError {
     double depth = 0;   // of optical depths
     double opacity = 0; // of 1 - exp(-depth), the light that is stopped
-    double worst() const { return depth > opacity ? depth : opacity; }
+    double picture = 0; // of sunlight that is scattered once towards a viewer: Pictures
+    double worst() const { return std::max({depth, opacity, picture}); }
 };
-
-// The integral of the trilinearly interpolated voxels along a line; a voxel is 1 wide. Precondition: `toward` is unit.
-double integralAlong(const Voxels& voxels, glm::dvec3 through, glm::dvec3 toward);
 
 class Rays {
 public:
@@ -28,6 +27,7 @@ public:
     // depth of a voxel of value 1. Precondition: some voxel is above 0.
     Rays(const Voxels& voxels, double per_value, int side = 96, int random = 13, uint64_t seed = 1);
 
+    // Without that of pictures.
     SeenError errorOf(std::span<const Kernel> kernels) const;
 
 private:
