@@ -23,7 +23,6 @@ namespace {
 
 using ply::Cells, ply::Element, ply::Points, ply::Reader, ply::Slot;
 
-constexpr uint64_t kMostPlyBytes = 512ull << 20;
 constexpr size_t kLongestElement = 40; // bytes of a name, in notes
 
 // What a slot's number may be, once it is in the scene's unit.
@@ -218,7 +217,9 @@ Points pointsOf(Reader& in, const Element& vertex, PlyWanted wanted) {
     return ply::readPoints(in, vertex, {wanted.ids, wanted.tetrahedra, wanted.axes});
 }
 
-std::string readBytes(const std::filesystem::path& file) {
+} // namespace
+
+std::string plyBytes(const std::filesystem::path& file) {
     std::error_code error;
     const bool regular = std::filesystem::is_regular_file(file, error);
     const uint64_t size = regular ? std::filesystem::file_size(file, error) : 0;
@@ -234,10 +235,8 @@ std::string readBytes(const std::filesystem::path& file) {
     return bytes;
 }
 
-} // namespace
-
 PointCloud loadPly(const std::filesystem::path& file, const PlyFrame& frame, PlyWanted wanted) {
-    return parsePly(readBytes(file), file.string(), frame, wanted);
+    return parsePly(plyBytes(file), file.string(), frame, wanted);
 }
 
 PlyContents contentsOf(std::string_view bytes, const std::string& name) {
@@ -258,7 +257,7 @@ bool hasEllipsoids(std::string_view bytes, const std::string& name) {
 }
 
 bool holdsPoints(const std::filesystem::path& file) {
-    const std::string bytes = readBytes(file);
+    const std::string bytes = plyBytes(file);
     Reader in(bytes, file.string());
     const ply::Header header = readHeader(in);
     return vertexOf(in, header).count > 0;
@@ -291,7 +290,7 @@ glm::dvec3 originFor(const PlyExtent& extent, double unit) {
 PlyFrame frameOf(const Medium& medium, glm::dvec3 origin) { return {origin, double(medium.unit), medium.up}; }
 
 PlyExtent extentOf(const std::filesystem::path& file, const std::string& up) {
-    return extentOf(readBytes(file), file.string(), up);
+    return extentOf(plyBytes(file), file.string(), up);
 }
 
 PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFrame& frame, PlyWanted wanted) {

@@ -64,6 +64,7 @@ struct PlyWanted {
 };
 
 inline constexpr uint64_t kMostPlyPoints = 8'000'000; // that are read at all
+inline constexpr uint64_t kMostPlyBytes = 512ull << 20;
 
 // Reads element `vertex` with x y z and, if present, scale or radius, sigma_t or opacity, and red green blue; or splats
 // of 3D Gaussian splatting, packed or not. If asked, semi-axes axis_a_x ... axis_c_z, or the splats' own. Everything
@@ -72,6 +73,9 @@ inline constexpr uint64_t kMostPlyPoints = 8'000'000; // that are read at all
 // Points that then lie beyond limits::kPlace are dropped. Throws SceneError for a file that cannot be read, is not
 // such a PLY, ends early, has no usable point, or lacks what is wanted of tetrahedra.
 PointCloud loadPly(const std::filesystem::path& file, const PlyFrame& frame = {}, PlyWanted wanted = {});
+
+// The bytes of a file, as parsePly() takes them. Throws SceneError if it cannot be read or has more than kMostPlyBytes.
+std::string plyBytes(const std::filesystem::path& file);
 
 // Reads the bytes of a PLY file from memory; messages call the file `name`.
 PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFrame& frame = {}, PlyWanted wanted = {});

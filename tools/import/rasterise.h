@@ -1,6 +1,7 @@
-// Gaussian balls as voxels.
+// Gaussians as voxels.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include <glm/glm.hpp>
@@ -9,21 +10,28 @@
 
 namespace brume::volumes {
 
-struct Ball {
+// A ball, or an ellipsoid, whose three semi-axes are at right angles. Its value is peak exp(-|y|^2 / 2), where y is the
+// place from its centre, over the deviation and, of an ellipsoid, in units of its semi-axes (shared/ellipsoid.h).
+struct Gaussian {
     glm::dvec3 centre; // voxels, as the deviation
     double deviation, peak;
     glm::vec3 albedo{1};
+    std::optional<glm::dmat3> axes = {}; // over the deviation; none: a ball
 };
+using Ball = Gaussian; // without axes
 
 struct Raster {
-    Voxels voxels;                 // what the balls add up to at the voxels' centres
-    std::vector<glm::vec3> albedo; // beside them, the mean weighted by the balls' parts; empty unless asked for
+    Voxels voxels;                 // what the Gaussians add up to at the voxels' centres
+    std::vector<glm::vec3> albedo; // beside them, the mean weighted by the Gaussians' parts; empty unless asked for
 };
 
 // What is below `least` is left out. Precondition: centres are finite and between -kFarthest / 2 and kFarthest / 2.
-Raster rasterised(std::span<const Ball> balls, float least, bool coloured = false);
+Raster rasterised(std::span<const Gaussian> gaussians, float least, bool coloured = false);
 
-// The number of blocks that balls reach, each of kInBlock voxels.
-uint64_t blocksOf(std::span<const Ball> balls);
+// The number of blocks that Gaussians reach, each of kInBlock voxels.
+uint64_t blocksOf(std::span<const Gaussian> gaussians);
+
+// The sum over all of space, in voxels' volumes.
+double massOf(const Gaussian& gaussian);
 
 } // namespace brume::volumes
