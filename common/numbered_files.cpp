@@ -50,6 +50,12 @@ std::vector<std::pair<uint64_t, std::filesystem::path>> numberedFiles(const std:
     return found;
 }
 
+std::filesystem::path numberedFile(const std::filesystem::path& pattern, uint64_t number) {
+    std::string name = pattern.filename().string();
+    const size_t begin = std::min(name.find('#'), name.size()), length = name.find_last_of('#') + 1 - begin;
+    return pattern.parent_path() / name.replace(begin, length, fmt::format("{:0{}}", number, length));
+}
+
 std::filesystem::path firstWithPoints(const std::filesystem::path& pattern) {
     const auto files = numberedFiles(pattern);
     for (const auto& [number, file] : files)

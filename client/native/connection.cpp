@@ -1,4 +1,4 @@
-// The only file of the client that sees Beast, which is slow to compile.
+// Of the client, this file and http_get.cpp alone see Beast, which is slow to compile.
 #include "client/native/connection.h"
 
 #include <deque>

@@ -56,7 +56,8 @@ TEST(Rasterise, ANeedleTakesFewBlocksOfItsBox) {
     const Gaussian needle = slanted({1, 0.01, 0.01}, 100);
     const Raster raster = rasterised({&needle, 1}, 1e-4f, true);
     EXPECT_LT(raster.voxels.blocks().size(), 1000u) << "the box has some 57,000";
-    EXPECT_EQ(raster.voxels.blocks().size(), blocksOf({&needle, 1}));
+    EXPECT_TRUE(fits({&needle, 1}, raster.voxels.blocks().size()));
+    EXPECT_FALSE(fits({&needle, 1}, raster.voxels.blocks().size() - 1));
     EXPECT_NEAR(raster.voxels.sum() / massOf(needle), 1, 1e-3);
     for (size_t i = 0; i < raster.albedo.size(); ++i) {
         if (raster.voxels.values()[i] > 0) {

@@ -39,6 +39,8 @@ void writeNrrd(const std::filesystem::path& file, const Volume& volume, const Pl
         directions[axis][axis] = way[axis];
     }
     const glm::ivec3 sizes(size[axis_of.x], size[axis_of.y], size[axis_of.z]);
+    if (const double box = double(sizes.x) * sizes.y * sizes.z; box > double(kMostVoxels))
+        throw ImportError(fmt::format("the box of all voxels has {:.0f}; allowed in a .nrrd: {}", box, kMostVoxels));
     const glm::dvec3 origin = placed(volume.turn * glm::dvec3(lo) + volume.origin, placing);
     std::ofstream out(file, std::ios::binary);
     out << fmt::format(

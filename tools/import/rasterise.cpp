@@ -13,6 +13,7 @@ namespace brume::volumes {
 namespace {
 
 constexpr double kReach = 5; // deviations; a Gaussian has 4e-6 of its peak there
+constexpr uint64_t kEndless = ~0ull;
 
 // The blocks that a Gaussian reaches.
 class Reach {
@@ -36,12 +37,13 @@ public:
         return {glm::dot(rows_[0], d), glm::dot(rows_[1], d), glm::dot(rows_[2], d)};
     }
 
+    // Calls visit(block) until it returns false.
     template <class Visit>
     void forBlocks(int x_from, int x_to, const Visit& visit) const {
         for (int x = std::max(from_.x, x_from); x <= std::min(to_.x, x_to); ++x)
             for (int y = from_.y; y <= to_.y; ++y)
                 for (int z = from_.z; z <= to_.z; ++z)
-                    if (const glm::ivec3 block(x, y, z); reaches(block)) visit(block);
+                    if (const glm::ivec3 block(x, y, z); reaches(block) && !visit(block)) return;
     }
 
 private:
@@ -59,10 +61,14 @@ private:
     double farthest_ = 0;  // deviations, at most, of the middle of a block that it reaches; 0: a ball
 };
 
-std::vector<glm::ivec3> blocksAround(std::span<const Gaussian> gaussians) {
+// All of them, or more than `most` of them.
+std::vector<glm::ivec3> blocksAround(std::span<const Gaussian> gaussians, uint64_t most) {
     std::unordered_map<uint64_t, glm::ivec3> found;
     for (const Gaussian& gaussian : gaussians)
-        Reach(gaussian).forBlocks(-kFarthest, kFarthest, [&](glm::ivec3 b) { found.emplace(mortonOf(b), b); });
+        Reach(gaussian).forBlocks(-kFarthest, kFarthest, [&](glm::ivec3 b) {
+            found.emplace(mortonOf(b), b);
+            return found.size() <= most;
+        });
     std::vector<glm::ivec3> out;
     for (const auto& [morton, block] : found) out.push_back(block);
     return out; // Voxels sorts them
@@ -97,7 +103,7 @@ void forVoxels(const Gaussian& gaussian, const Reach& reach, glm::ivec3 block, c
 
 } // namespace
 
-uint64_t blocksOf(std::span<const Gaussian> gaussians) { return blocksAround(gaussians).size(); }
+bool fits(std::span<const Gaussian> gaussians, uint64_t most) { return blocksAround(gaussians, most).size() <= most; }
 
 double massOf(const Gaussian& gaussian) {
     const double volume = gaussian.axes ? std::abs(glm::determinant(*gaussian.axes)) : 1;
@@ -105,7 +111,7 @@ double massOf(const Gaussian& gaussian) {
 }
 
 Raster rasterised(std::span<const Gaussian> gaussians, float least, bool coloured) {
-    Raster out{Voxels(blocksAround(gaussians)), {}};
+    Raster out{Voxels(blocksAround(gaussians, kEndless)), {}};
     const std::span<float> values = out.voxels.values();
     if (coloured) out.albedo.assign(values.size(), glm::vec3(0));
     const std::vector<uint32_t>& layers = out.voxels.layers();
@@ -120,6 +126,7 @@ Raster rasterised(std::span<const Gaussian> gaussians, float least, bool coloure
                     values[first + n] += part;
                     if (coloured) out.albedo[first + n] += part * gaussian.albedo;
                 });
+                return true;
             });
         }
     });

@@ -28,8 +28,8 @@ struct Raster {
 // What is below `least` is left out. Precondition: centres are finite and between -kFarthest / 2 and kFarthest / 2.
 Raster rasterised(std::span<const Gaussian> gaussians, float least, bool coloured = false);
 
-// The number of blocks that Gaussians reach, each of kInBlock voxels.
-uint64_t blocksOf(std::span<const Gaussian> gaussians);
+// True: the Gaussians reach up to `most` blocks, each of kInBlock voxels. It takes memory for no more.
+bool fits(std::span<const Gaussian> gaussians, uint64_t most);
 
 // The sum over all of space, in voxels' volumes.
 double massOf(const Gaussian& gaussian);
