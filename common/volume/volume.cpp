@@ -17,6 +17,7 @@
 #include "common/scene.h"
 #include "common/scene_limits.h"
 #include "common/text.h"
+#include "common/volume/gzip.h"
 
 namespace brume {
 namespace {
@@ -117,14 +118,15 @@ public:
         const glm::uvec3 size = sizeOf();
         const auto type = typeOf(field("type"));
         if (!type) fail("type is " + shown(field("type")) + "; allowed: whole numbers of 8 to 32 bits, float, double");
-        if (const std::string& encoding = field("encoding"); encoding != "raw")
-            fail("encoding is " + shown(encoding) + "; allowed: raw (of pynrrd: {'encoding': 'raw'})");
+        const std::string& encoding = field("encoding");
+        if (encoding != "raw" && encoding != "gzip" && encoding != "gz")
+            fail("encoding is " + shown(encoding) + "; allowed: raw, gzip, gz (of pynrrd: {'encoding': 'gzip'})");
         const std::string& endian = field("endian");
         if (type->bytes > 1 && endian != "little" && endian != "big")
             fail("endian is " + shown(endian) + "; allowed: little, big");
-        const uint64_t voxels = uint64_t(size.x) * size.y * size.z;
-        if (bytes_.size() < voxels * type->bytes)
-            fail(fmt::format("it ends after {} of {} bytes of voxels", bytes_.size(), voxels * type->bytes));
+        const uint64_t wanted = uint64_t(size.x) * size.y * size.z * type->bytes;
+        if (encoding != "raw") unpack(wanted);
+        if (bytes_.size() < wanted) fail(fmt::format("it ends after {} of {} bytes of voxels", bytes_.size(), wanted));
         place(frame, size, out);
         take(frame, size, *type, (endian == "big") != (std::endian::native == std::endian::big), out);
         return out;
@@ -166,6 +168,12 @@ private:
             if (fields_.contains(key)) fail("its voxels are in another file; write them into it (.nrrd, not .nhdr)");
         for (const char* key : {"line skip", "lineskip", "byte skip", "byteskip"})
             if (fields_.contains(key) && field(key) != "0") fail(fmt::format("{} is not read", key));
+    }
+
+    void unpack(uint64_t wanted) {
+        if (wanted > kMostBytes) fail(fmt::format("its voxels take {} bytes; allowed: 1 GiB", wanted));
+        if (const std::string why = unpackGzip(bytes_, wanted, unpacked_); !why.empty()) fail(why);
+        bytes_ = unpacked_;
     }
 
     glm::uvec3 sizeOf() const {
@@ -252,6 +260,7 @@ private:
     }
 
     std::string_view bytes_;
+    std::string unpacked_;
     const std::string& name_;
     std::map<std::string, std::string> fields_;
     std::array<int, 3> signs_{};

@@ -33,10 +33,10 @@ struct Volume {
     }
 };
 
-// Attached data of three dimensions, encoding raw, of any scalar type and either byte order. Values are extinctions per
-// unit of length; whole numbers are parts of their type's largest. Voxels have to be cubes along the file's axes. A
-// volume of more than `most` nodes is halved until it has fewer: each voxel then is the mean of eight. Throws
-// SceneError, one line, for a file that cannot be read or is not such a one.
+// Attached data of three dimensions, encoding raw or gzip, of any scalar type and either byte order. Values are
+// extinctions per unit of length; whole numbers are parts of their type's largest. Voxels have to be cubes along the
+// file's axes. A volume of more than `most` nodes is halved until it has fewer: each voxel then is the mean of eight.
+// Throws SceneError, one line, for a file that cannot be read or is not such a one.
 Volume loadVolume(const std::filesystem::path& file, const PlyFrame& frame, uint64_t most);
 Volume parseVolume(std::string_view bytes, const std::string& name, const PlyFrame& frame, uint64_t most);
 

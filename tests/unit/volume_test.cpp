@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include "common/scene.h"
 #include "common/volume/volume.h"
@@ -26,6 +27,19 @@ std::string file(const std::string& type, const std::string& more, bool big = fa
                       "\ndimension: 3\nsizes: 2 3 4\nencoding: raw\nendian: " + (big ? "big" : "little") + "\n" + more +
                       "\n";
     for (int i = 0; i < 24; ++i) out += big ? swapped(T(1 + i)) : raw(T(1 + i));
+    return out;
+}
+
+std::string packed(const std::string& bytes) {
+    std::string out(bytes.size() + 100, '\0');
+    z_stream stream{};
+    deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY); // as gzip does
+    std::string in = bytes;
+    stream.next_in = reinterpret_cast<Bytef*>(in.data()), stream.avail_in = uInt(in.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data()), stream.avail_out = uInt(out.size());
+    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+    out.resize(stream.total_out);
+    deflateEnd(&stream);
     return out;
 }
 
@@ -99,7 +113,8 @@ TEST(VolumeFile, WhatCannotBeReadIsSaidInOneLine) {
     const std::string good = file<float>("float", "");
     EXPECT_EQ(whyNot(good), "");
     EXPECT_NE(whyNot("ply\n").find("expected a file of the format NRRD"), std::string::npos);
-    EXPECT_NE(whyNot(replaced(good, "encoding: raw", "encoding: gzip")).find("encoding is \"gzip\"; allowed: raw"),
+    EXPECT_NE(whyNot(replaced(good, "encoding: raw", "encoding: bzip2"))
+                  .find("encoding is \"bzip2\"; allowed: raw, gzip, gz (of pynrrd"),
               std::string::npos);
     EXPECT_NE(whyNot(replaced(good, "dimension: 3", "dimension: 4")).find("one number for each voxel"),
               std::string::npos);
@@ -118,6 +133,40 @@ TEST(VolumeFile, WhatCannotBeReadIsSaidInOneLine) {
     std::string empty = good;
     std::fill(empty.end() - 96, empty.end(), '\0');
     EXPECT_NE(whyNot(empty).find("no voxel is above 0"), std::string::npos);
+}
+
+TEST(VolumeFile, PackedVoxelsAreUnpacked) {
+    for (const char* encoding : {"encoding: gzip", "encoding: gz"}) {
+        const std::string plain =
+            replaced(file<float>("float", "spacings: 0.5 0.5 0.5\n", true), "encoding: raw", encoding);
+        const std::string header = plain.substr(0, plain.size() - 96), voxels = plain.substr(header.size());
+        const std::string gzip = packed(voxels);
+        // Two after each other are one.
+        for (const std::string& good : {gzip, packed(voxels.substr(0, 7)) + packed(voxels.substr(7))}) {
+            const Volume volume = parseVolume(header + good, "v.nrrd", {}, kMany);
+            for (int i = 0; i < 24; ++i) EXPECT_EQ(volume.at({i % 2, i / 2 % 3, i / 6}), 1 + i);
+        }
+        const auto why = [&](const std::string& bytes) {
+            const std::string what = whyNot(header + bytes);
+            EXPECT_EQ(what.find("v.nrrd: NRRD: its packed voxels "), 0u) << what;
+            return what.substr(std::min(what.size(), size_t(32)));
+        };
+        EXPECT_EQ(why(""), "end early: 0 of 96 bytes are there");
+        EXPECT_EQ(why(gzip.substr(0, gzip.size() - 1)), "end early: 96 of 96 bytes are there");
+        EXPECT_EQ(why(gzip.substr(0, gzip.size() / 2)).find("end early: "), 0u);
+        EXPECT_EQ(why(voxels), "are corrupt: incorrect header check");
+        EXPECT_EQ(why(gzip + "more"), "are corrupt: incorrect header check");
+        std::string flipped = gzip;
+        flipped[gzip.size() - 6] ^= 1;
+        EXPECT_EQ(why(flipped), "are corrupt: incorrect data check");
+        EXPECT_EQ(why(packed(voxels.substr(1))), "are 95 bytes, fewer than 96");
+        EXPECT_EQ(why(packed(voxels + '\0')), "are more than 96 bytes");
+        EXPECT_EQ(why(packed(voxels) + packed(voxels)), "are more than 96 bytes");
+        EXPECT_EQ(why(packed(std::string(10 << 20, 'a'))), "are more than 96 bytes");
+    }
+    std::string large = replaced(file<double>("double", ""), "encoding: raw", "encoding: gzip");
+    large = replaced(large, "sizes: 2 3 4", "sizes: 600 600 600");
+    EXPECT_NE(whyNot(large).find("its voxels take 1728000000 bytes; allowed: 1 GiB"), std::string::npos);
 }
 
 TEST(VolumeFile, BadVoxelsCountAsNothingAndAreTold) {
