@@ -286,7 +286,7 @@ TEST(Ply, HeaderSaysWhetherThereAreTetrahedra) {
     EXPECT_TRUE(contentsOf(kAscii + kCorners + kCells + end, "ply_test.ply").tetrahedra);
     EXPECT_FALSE(contentsOf(kAscii + kCorners + end, "ply_test.ply").tetrahedra);
     EXPECT_FALSE(contentsOf(kAscii + kCorners + "element tetrahedron 0\n" + end, "ply_test.ply").tetrahedra);
-    EXPECT_THROW(contentsOf(kAscii + kCorners, "ply_test.ply").tetrahedra, SceneError);
+    EXPECT_THROW(contentsOf(kAscii + kCorners, "ply_test.ply"), SceneError);
 }
 
 TEST(Ply, BrokenTetrahedraSayWhatIsExpected) {

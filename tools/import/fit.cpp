@@ -16,6 +16,7 @@ namespace {
 constexpr int kMostFits = 9;
 constexpr double kNearEnough = 0.92; // of the bound: no price is searched for that saves more
 constexpr double kUsualPower = 0.35; // errors go about as price^0.35
+constexpr double kHardlyFewer = 0.9; // Gaussians for each voxel: more of them change little
 constexpr double kLeastPrice = 1e-18, kMostPrice = 1;
 
 // The least price at which no more than so many are chosen.
@@ -115,7 +116,9 @@ Fit fit(const Voxels& voxels, const FitSettings& settings) {
         if (chosen.empty()) chosen = tree.choose(least);
         Fit now = fitted(voxels, settings, settings.shape, seen, std::move(chosen), follow);
         search.add(price, now.error.worst());
+        const bool hopeless = !now.kept && double(now.kernels.size()) > kHardlyFewer * double(voxels.active());
         if (tried++ == 0 || better(now, best)) best = std::move(now);
+        if (hopeless) break;
     }
     best.all = least == kLeastPrice;
     return best;

@@ -16,13 +16,6 @@ namespace {
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-// A pattern's run of # as a number of as many digits.
-std::string numbered(std::string pattern, uint64_t number) {
-    const size_t begin = pattern.find('#'), end = pattern.find_first_not_of('#', begin);
-    const size_t length = (end == std::string::npos ? pattern.size() : end) - begin;
-    return pattern.replace(begin, length, fmt::format("{:0{}}", number, length));
-}
-
 std::string missed(const Fit& fit, const FitSettings& settings) {
     std::string remedy = "a larger --error";
     if (!fit.all && double(settings.most) < limits::kCount.hi) remedy = "a larger --most, or " + remedy;
@@ -136,7 +129,7 @@ Imported importFiles(const ImportSettings& settings, const std::function<void(co
     if (settings.fit.ellipsoids) throw ImportError("a sequence has no ellipsoids: leave out --ellipsoids");
     CellIds ids;
     for (const auto& [number, in] : numberedFiles(settings.in))
-        importer.file(in, settings.out.parent_path() / numbered(settings.out.filename().string(), number), &ids);
+        importer.file(in, numberedFile(settings.out, number), &ids);
     return importer.result;
 }
 
