@@ -217,7 +217,9 @@ void Simulation::State::advance() {
     motion->step(*columns, {.number = steps, .volume = volume(), .settings = now.simulation});
     if (obstacles) {
         obstacles->follow(now.lists, lists_hash);
-        for (const Rows run : motion->living()) obstacles->stop(*columns, run, kDt);
+        motion->settle(*columns, now.medium.extinction); // the scales are those of now
+        const Obstacles::Widths widths{.clearance = Obstacles::clearanceOf(now.medium), .axes = axes};
+        for (const Rows run : motion->living()) obstacles->stop(*columns, run, kDt, widths);
     }
     if (now.light.rotate != 0) now.light.to_light = glm::normalize(turned(now.light.to_light, now.light.rotate * kDt));
     for (Light& light : now.lists.lights)

@@ -22,13 +22,14 @@ constexpr float kDt = 1 / 60.0f;
 struct One {
     glm::vec3 place, velocity;
 };
-One stopped(const Obstacles& obstacles, const One& one) {
+One stopped(const Obstacles& obstacles, const One& one, const Obstacles::Widths& widths = {}) {
     Columns columns(1);
+    columns[Column::scale][0] = 1;
     for (int axis = 0; axis < 3; ++axis) {
         columns[Column(int(Column::x) + axis)][0] = one.place[axis];
         columns[Column(int(Column::vx) + axis)][0] = one.velocity[axis];
     }
-    obstacles.stop(columns, {0, 1}, kDt);
+    obstacles.stop(columns, {0, 1}, kDt, widths);
     One out{};
     for (int axis = 0; axis < 3; ++axis) {
         out.place[axis] = columns[Column(int(Column::x) + axis)][0];
