@@ -8,10 +8,9 @@
 #include <unistd.h>
 
 #include "common/numbered_files.h"
-#include "common/ply/ply.h"
-#include "common/ply/upload_frame.h"
 #include "common/scene_text.h"
 #include "common/text.h"
+#include "server/operate/upload.h"
 #include "server/operate/uploaded_clouds.h"
 #include "server/plan/memory.h"
 #include "server/sim/point_cloud.h"
@@ -88,7 +87,7 @@ SceneAnswer SceneChanger::change(const SceneWish& wish) {
     const UploadedClouds clouds(options_.cloud_dir);
     if (server_.fixed) return {.complaint = server_.fixed, .notes = {}};
     try {
-        if (!wish.points.empty()) {
+        if (!wish.upload.empty()) {
             const Preparing preparing(server_.audience, wish.name);
             return showCloud(wish);
         }
@@ -106,11 +105,11 @@ SceneAnswer SceneChanger::change(const SceneWish& wish) {
     } catch (const std::exception&) {
         const std::string reason = why(std::current_exception());
         spdlog::error("the scene stays: {}", reason);
-        return {.complaint = wish.points.empty() ? reason : clouds.withoutFolders(reason), .notes = {}};
+        return {.complaint = wish.upload.empty() ? reason : clouds.withoutFolders(reason), .notes = {}};
     }
 }
 
-// The points, or the tetrahedra, become a scene file beside them, with a camera that sees all of them. Nothing is
+// The file becomes a scene beside it, with a camera that sees all of it. Nothing is
 // replaced before it is known to be good: show() then finds nothing wrong but what the device lacks.
 SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
     const std::vector<std::string> own = sceneNames(options_.scene_dir);
@@ -118,36 +117,15 @@ SceneAnswer SceneChanger::showCloud(const SceneWish& wish) {
         wish.name == fs::path(options_.scene).stem().string())
         throw SceneError("there is a scene '" + wish.name + "' already: give another with ?name=");
     const UploadedClouds clouds(options_.cloud_dir);
-    UploadedClouds::Incoming incoming = clouds.take(wish.name, wish.points);
-    const std::string file = wish.name + ".ply";
-    const PlyContents contents = contentsOf(wish.points, file);
-    const PlyExtent extent = extentOf(wish.points, file, wish.options.up);
-    // More are merged to balls, and balls can be drawn by all.
-    const bool ellipsoids =
-        contents.axes && double(extent.count) <= limits::kCount.hi && hasEllipsoids(wish.points, file);
-    const char* const model = contents.tetrahedra ? kTetrahedraMedium : ellipsoids ? kEllipsoidMedium : kSumMedium;
-    UploadFrame frame(extent, wish.options);
-    Scene scene = sceneOf(fmt::format("origin = [{:.1f}, {:.1f}, {:.1f}]\n[medium]\nmodel = \"{}\"\nlayout = \"file\"\n"
-                                      "file = \"{}\"\nunit = {}\nup = \"{}\"\nfar_points = \"{}\"\n",
-                                      frame.origin.x, frame.origin.y, frame.origin.z, model, file, frame.unit,
-                                      wish.options.up, wish.options.keep_far ? "keep" : "drop"),
-                          incoming.scene(), {});
-    placeCamera(scene);
-    // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
-    scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
-    if (contents.splats) { // whose colours hold their light
-        scene.lights.clear();
-        scene.sky.ambient = glm::vec3(1);
-        scene.render.tone_map = "linear";
-        frame.notes.emplace_back("the splats are shown in ambient light alone; light.irradiance adds a sun");
-    }
-    const std::string text = sceneToml(scene);
+    UploadedClouds::Incoming incoming = clouds.take(wish.name, wish.upload, endingOf(wish.upload));
+    const UploadedScene uploaded = sceneOfUpload(wish.upload, wish.options, incoming.scene());
+    const std::string text = sceneToml(uploaded.scene);
     const std::vector<std::string> overrides = rendererOverrides(options_);
     const Scene wanted = sceneOf(text, incoming.scene(), overrides);
     checkScene(wanted, incoming.scene(), overrides);
     boundedCapacity(wanted, Simulation(wanted, options_.frame.memory), options_.frame.memory);
     SceneAnswer answer = show(filesOf(incoming.keep(text), overrides));
-    answer.notes.insert(answer.notes.end(), frame.notes.begin(), frame.notes.end());
+    answer.notes.insert(answer.notes.end(), uploaded.notes.begin(), uploaded.notes.end());
     return answer;
 }
 
@@ -181,7 +159,10 @@ SceneAnswer SceneChanger::show(Scene scene, const Files& files) {
     SceneAnswer answer{.complaint = {}, .notes = tellOfPointCloud(scene, simulation)};
     for (std::string& note : answer.notes) note = UploadedClouds(options_.cloud_dir).withoutFolders(note);
     if (simulation.pointCloud()) {
-        answer.points = simulation.liveCount();
+        if (scene.volume)
+            answer.voxels = scene.volume->size;
+        else
+            answer.points = simulation.liveCount();
         answer.lo = scene.origin + glm::dvec3(simulation.bounds().lo);
         answer.hi = scene.origin + glm::dvec3(simulation.bounds().hi);
     }

@@ -296,6 +296,16 @@ Volume parseVolume(std::string_view bytes, const std::string& name, const PlyFra
     return out;
 }
 
+bool isNrrd(std::string_view bytes) { return bytes.starts_with("NRRD"); }
+
+PlyExtent volumeExtentOf(std::string_view bytes, const std::string& name, const std::string& up) {
+    const Volume volume = parseVolume(bytes, name, {.up = up}, std::numeric_limits<uint64_t>::max());
+    const glm::dvec3 half = 0.5 * volume.spacing * (glm::dvec3(volume.size) - 1.0);
+    return {.middle = volume.origin + half,
+            .radius = std::max({half.x, half.y, half.z}),
+            .count = volume.extinction.size()};
+}
+
 Volume loadVolume(const std::filesystem::path& file, const PlyFrame& frame, uint64_t most) {
     std::error_code error;
     const bool regular = std::filesystem::is_regular_file(file, error);

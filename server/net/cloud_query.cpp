@@ -85,7 +85,7 @@ bool isFileName(std::string_view name) {
 std::variant<SceneWish, std::string> readCloudQuery(std::string_view query) {
     const auto fields = parseQuery(query);
     if (!fields) return "the query is not of the form name=value&name=value";
-    SceneWish wish{.name = kUploaded, .points = {}, .options = {}};
+    SceneWish wish{.name = kUploaded, .upload = {}, .options = {}};
     for (const auto& [key, value] : *fields) {
         if (key == "name" && value.empty()) continue;
         if (std::string wrong = readField(key, value, wish); !wrong.empty()) return wrong;

@@ -1,5 +1,5 @@
-// Another scene while the server runs: POST /scene?name=, POST /cloud (a PLY file); and what there is: GET /scene.toml,
-// GET /particles.ply.
+// Another scene while the server runs: POST /scene?name=, POST /cloud (a PLY or NRRD file); and what there is: GET
+// /scene.toml, GET /particles.ply.
 #include <algorithm>
 
 #include <boost/asio/write.hpp>
@@ -49,9 +49,12 @@ bool wantsJson(const HttpRequest& request) {
 // What the shown scene's points are, for people: a line, and below it one for each note.
 std::string plainText(const std::string& scene, const SceneAnswer& answer) {
     std::string text = fmt::format("scene '{}' is shown", scene);
-    if (answer.points > 0)
-        text += fmt::format(": {} points in [{:.7g}, {:.7g}, {:.7g}] to [{:.7g}, {:.7g}, {:.7g}] m", answer.points,
-                            answer.lo.x, answer.lo.y, answer.lo.z, answer.hi.x, answer.hi.y, answer.hi.z);
+    if (answer.points > 0) text += fmt::format(": {} points", answer.points);
+    if (answer.voxels.x > 0)
+        text += fmt::format(": {} x {} x {} voxels", answer.voxels.x, answer.voxels.y, answer.voxels.z);
+    if (answer.points > 0 || answer.voxels.x > 0)
+        text += fmt::format(" in [{:.7g}, {:.7g}, {:.7g}] to [{:.7g}, {:.7g}, {:.7g}] m", answer.lo.x, answer.lo.y,
+                            answer.lo.z, answer.hi.x, answer.hi.y, answer.hi.z);
     for (const std::string& note : answer.notes) text += '\n' + note;
     return text;
 }
@@ -59,8 +62,9 @@ std::string plainText(const std::string& scene, const SceneAnswer& answer) {
 // The same for programs.
 std::string jsonText(const std::string& scene, const SceneAnswer& answer) {
     nlohmann::ordered_json json{{"scene", scene}};
-    if (answer.points > 0) {
-        json["points"] = answer.points;
+    if (answer.points > 0) json["points"] = answer.points;
+    if (answer.voxels.x > 0) json["voxels"] = {answer.voxels.x, answer.voxels.y, answer.voxels.z};
+    if (answer.points > 0 || answer.voxels.x > 0) {
         json["box"] = {{answer.lo.x, answer.lo.y, answer.lo.z}, {answer.hi.x, answer.hi.y, answer.hi.z}};
     }
     json["notes"] = answer.notes;
@@ -91,11 +95,11 @@ asio::awaitable<bool> HttpConnection::showScene(const HttpRequest& request, std:
     std::optional<std::string> name = nameIn(query);
     if (!name || name->empty())
         co_return co_await send(request, "scene", lineReply(400, "which scene? /scene?name=cumulus"));
-    SceneWish wish{.name = *std::move(name), .points = {}, .options = {}}; // GCC 12 frees an unnamed one twice
+    SceneWish wish{.name = *std::move(name), .upload = {}, .options = {}}; // GCC 12 frees an unnamed one twice
     co_return co_await change(request, "scene", std::move(wish));
 }
 
-// The request's body is a PLY file. It is held in memory until the scene is made of it.
+// The request's body is a PLY or NRRD file. It is held in memory until the scene is made of it.
 asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::string_view query,
                                                 Authorization authorization) {
     const HttpRequest& request = parser.get();
@@ -129,8 +133,8 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
     }
     unread_ = false;
     if (whole.get().body().empty())
-        co_return co_await send(head, "cloud", lineReply(400, "the body is empty: send a PLY file"));
-    wish.points = std::move(whole.get().body());
+        co_return co_await send(head, "cloud", lineReply(400, "the body is empty: send a PLY or NRRD file"));
+    wish.upload = std::move(whole.get().body());
     co_return co_await change(head, "cloud", std::move(wish));
 }
 

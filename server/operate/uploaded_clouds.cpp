@@ -1,6 +1,7 @@
 #include "server/operate/uploaded_clouds.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -21,23 +22,29 @@ namespace fs = std::filesystem;
 constexpr const char* kIncoming = "incoming";     // folder of those that are not known to be good
 constexpr std::string_view kOwnFolder = "XXXXXX"; // as mkdtemp() has it
 
-// The first line of a scene that the server wrote, of this text and these points.
-std::string markOf(const std::string& text, const fs::path& points) {
+// The first line of a scene that the server wrote, of this text and the cloud's file.
+std::string markOf(const std::string& text, const fs::path& cloud) {
     std::error_code error;
-    const uintmax_t bytes = fs::file_size(points, error);
-    const fs::file_time_type written = fs::last_write_time(points, error);
+    const uintmax_t bytes = fs::file_size(cloud, error);
+    const fs::file_time_type written = fs::last_write_time(cloud, error);
     return fmt::format("# Written for an uploaded cloud: {:016x} {} {}\n", hashOf(text, 0), bytes,
                        written.time_since_epoch().count());
 }
 
-fs::path pointsOf(const fs::path& scene) { return fs::path(scene).replace_extension(".ply"); }
+constexpr std::array kEndings{".ply", ".nrrd"};
 
-// True: the server wrote the scene and its points, and nobody has changed them.
+fs::path besideOf(const fs::path& scene, const std::string& ending) {
+    return fs::path(scene).replace_extension(ending);
+}
+
+// True: the server wrote the scene and its cloud, and nobody has changed them.
 bool isOurs(const fs::path& scene) {
     std::ifstream in = openPlain(scene);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     const size_t begin = std::min(text.find('\n'), text.size() - 1) + 1;
-    return text.starts_with(markOf(text.substr(begin), pointsOf(scene)));
+    return std::ranges::any_of(kEndings, [&](const char* ending) {
+        return text.starts_with(markOf(text.substr(begin), besideOf(scene, ending)));
+    });
 }
 
 [[noreturn]] void cannotWrite(const fs::path& file) {
@@ -75,16 +82,17 @@ void keepNewest(const fs::path& folder) {
     std::ranges::sort(scenes);
     for (size_t i = 0; i + UploadedClouds::kMost < scenes.size(); ++i) {
         fs::remove(scenes[i].second, ignored);
-        fs::remove(pointsOf(scenes[i].second), ignored);
+        for (const char* ending : kEndings) fs::remove(besideOf(scenes[i].second, ending), ignored);
     }
 }
 
 } // namespace
 
-UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& name, const std::string& points)
-    : kept_(folder / (name + ".toml")), points_(ownFolder(folder / kIncoming) / (name + ".ply")) {
+UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& name, const std::string& bytes,
+                                   const std::string& ending)
+    : kept_(folder / (name + ".toml")), bytes_(ownFolder(folder / kIncoming) / (name + ending)) {
     try {
-        write(points_, points);
+        write(bytes_, bytes);
     } catch (const SceneError&) {
         discard();
         throw;
@@ -93,28 +101,35 @@ UploadedClouds::Incoming::Incoming(const fs::path& folder, const std::string& na
 
 void UploadedClouds::Incoming::discard() const {
     std::error_code ignored;
-    fs::remove_all(points_.parent_path(), ignored);
+    fs::remove_all(bytes_.parent_path(), ignored);
 }
 
-fs::path UploadedClouds::Incoming::scene() const { return fs::path(points_).replace_extension(".toml"); }
+fs::path UploadedClouds::Incoming::scene() const { return fs::path(bytes_).replace_extension(".toml"); }
 
 fs::path UploadedClouds::Incoming::keep(const std::string& text) {
-    write(scene(), markOf(text, points_) + text);
+    write(scene(), markOf(text, bytes_) + text);
     std::error_code error;
-    fs::rename(points_, pointsOf(kept_), error);
+    const std::string own = bytes_.extension().string();
+    fs::rename(bytes_, besideOf(kept_, own), error);
     if (!error) fs::rename(scene(), kept_, error);
     if (error) throw SceneError(kept_.string() + ": cannot be written: " + error.message());
+    std::error_code ignored;
+    for (const char* ending : kEndings) // of what had the name
+        if (ending != own) fs::remove(besideOf(kept_, ending), ignored);
     keepNewest(kept_.parent_path());
     return kept_;
 }
 
-UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std::string& points) const {
+UploadedClouds::Incoming UploadedClouds::take(const std::string& name, const std::string& bytes,
+                                              const std::string& ending) const {
     const fs::path kept = folder_ / (name + ".toml");
-    if ((isTaken(kept) || isTaken(pointsOf(kept))) && !isOurs(kept))
+    const bool taken =
+        isTaken(kept) || std::ranges::any_of(kEndings, [&](const char* of) { return isTaken(besideOf(kept, of)); });
+    if (taken && !isOurs(kept))
         throw SceneError("there is a '" + name +
                          "' in --cloud-dir that this server did not upload, or that was changed: " +
                          "give another name with ?name=, or remove it there");
-    return {folder_, name, points};
+    return {folder_, name, bytes, ending};
 }
 
 std::string UploadedClouds::withoutFolders(std::string complaint) const {

@@ -14,15 +14,16 @@ namespace brume {
 
 struct SceneWish {
     std::string name;      // of the scene to show
-    std::string points;    // empty, or the bytes of a PLY file, which become a scene of that name
+    std::string upload;    // empty, or the bytes of a PLY or NRRD file, which become a scene of that name
     UploadOptions options; // of these
 };
 
 struct SceneAnswer {
     std::string complaint; // why the old scene stays, one line; empty: the wished one is shown
-    // Of a scene of point clouds: how many points there are and where, m, in the world; and one line each of what they
-    // came with, and of what was guessed, left out or passed over.
+    // Of a scene of files: how many points there are, or voxels along x, y and z, and where, m, in the world; and one
+    // line each of what they came with, and of what was guessed, left out or passed over.
     size_t points = 0;
+    glm::uvec3 voxels{0};
     glm::dvec3 lo{0}, hi{0};
     std::vector<std::string> notes;
 };

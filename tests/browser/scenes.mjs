@@ -67,7 +67,7 @@ describe('a PLY file', () => {
     const server = await start(t);
     const page = await openPanel(t, server);
     const chooser = page.waitForEvent('filechooser');
-    await page.getByRole('button', { name: 'Open PLY…' }).click();
+    await page.getByRole('button', { name: 'Open file…' }).click();
     writeFileSync(join(folder, 'my cloud.ply'), ply(2));
     await (await chooser).setFiles(join(folder, 'my cloud.ply'));
     await sceneOf(page)
@@ -129,7 +129,7 @@ describe('a PLY file', () => {
     const server = await start(t, '--token-key', key);
     const token = execFileSync(BINARY, ['--token-key', key, '--make-token', 'viewer']).toString().trim();
     const page = await openPanel(t, server, `#token=${token}`);
-    assert.ok(await page.getByRole('button', { name: 'Open PLY…' }).isDisabled());
+    assert.ok(await page.getByRole('button', { name: 'Open file…' }).isDisabled());
     assert.ok(await page.getByRole('button', { name: 'Reset all' }).isDisabled());
     assert.deepEqual(await drop(page, 'mine.ply', ply(2)), { held: false, kept: true });
     const download = page.waitForEvent('download');

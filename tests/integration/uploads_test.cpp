@@ -128,6 +128,42 @@ TEST_F(Uploads, SplatsAreShownInAmbientLightAlone) {
     EXPECT_LT(middle[1], 100);
 }
 
+// A block of 16 voxels a side, half a metre wide each.
+std::string block(float extinction, const std::string& type = "float") {
+    std::string file = "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: 16 16 16\nspacings: 0.5 0.5 0.5\n" +
+                       "endian: little\nencoding: raw\n\n";
+    for (int i = 0; i < 16 * 16 * 16; ++i) file.append(reinterpret_cast<const char*>(&extinction), sizeof extinction);
+    return file;
+}
+
+TEST_F(Uploads, AVolumeIsSeenAndCanBeReplacedByPoints) {
+    RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--paused"});
+    EXPECT_NE(post(server.port(), "/cloud?name=block", block(1, "block")).body.find("type is \"block\""),
+              std::string::npos);
+    EXPECT_EQ(post(server.port(), "/cloud?name=block", block(0)).status, 422) << "nothing to see";
+    const HttpReply reply = post(server.port(), "/cloud?name=block&up=z", block(3));
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    EXPECT_NE(reply.body.find("16 x 16 x 16 voxels in ["), std::string::npos) << reply.body;
+    const std::string scene = get(server.port(), "/scene.toml").body;
+    EXPECT_NE(scene.find("layout = 'volume'"), std::string::npos) << scene;
+    Watcher a(server.endpoint());
+    a.look(lookAt(a.session.granted().position, a.session.granted().target, 0.8f));
+    ASSERT_TRUE(watch({&a}, [&] { return !a.frames.empty(); }));
+    const client::Picture picture = pictureOf(a.last());
+    const auto at = [&](int x, int y) { return &picture.rgb[3 * (size_t(y) * size_t(picture.width) + size_t(x))]; };
+    const uint8_t *middle = at(picture.width / 2, picture.height / 2), *corner = at(2, 2);
+    EXPECT_GT(std::abs(middle[2] - corner[2]), 20) << "a white block before a blue sky";
+    EXPECT_EQ(post(server.port(), "/cloud?name=block", points()).status, 200);
+    EXPECT_FALSE(fs::exists(fs::path(clouds()) / "block.nrrd"));
+    const HttpReply json = [&] {
+        HttpConnection upload(server.port());
+        const std::string file = block(3);
+        upload.send(postHead("/cloud?name=block", file.size()) + "Accept: application/json\r\n\r\n" + file);
+        return upload.readReply();
+    }();
+    EXPECT_EQ(nlohmann::json::parse(json.body)["voxels"], nlohmann::json::parse("[16, 16, 16]")) << json.body;
+}
+
 // What is taken out can be put in again: the same particles, to the bit.
 TEST_F(Uploads, ParticlesAreTakenOutAndReadBack) {
     RunningServer server({"--ahead", "off", "--cloud-dir", clouds(), "--paused"});

@@ -22,8 +22,9 @@ protected:
     const UploadedClouds clouds{folder};
     void TearDown() override { fs::remove_all(folder); }
 
-    void upload(const std::string& name, const std::string& points = "points", int seconds_ago = 0) const {
-        const fs::path scene = clouds.take(name, points).keep("# a scene of " + points + "\n");
+    void upload(const std::string& name, const std::string& points = "points", int seconds_ago = 0,
+                const std::string& ending = ".ply") const {
+        const fs::path scene = clouds.take(name, points, ending).keep("# a scene of " + points + "\n");
         fs::last_write_time(scene, fs::file_time_type::clock::now() - std::chrono::seconds(seconds_ago));
     }
     void write(const std::string& name, const std::string& text) const {
@@ -94,9 +95,22 @@ TEST_F(UploadedCloudsTest, ACloudReplacesItsOwnWhole) {
     upload("mine", "new points");
     EXPECT_EQ(read("mine.ply"), "new points");
     EXPECT_TRUE(read("mine.toml").ends_with("# a scene of new points\n"));
-    { const auto dropped = clouds.take("mine", "worse"); }
+    { const auto dropped = clouds.take("mine", "worse", ".ply"); }
     EXPECT_EQ(read("mine.ply"), "new points");
     EXPECT_TRUE(fs::is_empty(folder / "incoming"));
+}
+
+TEST_F(UploadedCloudsTest, AVolumeReplacesPointsAndPointsAVolume) {
+    upload("mine", "points");
+    upload("mine", "voxels", 0, ".nrrd");
+    EXPECT_EQ(files(), (std::set<std::string>{"mine.nrrd", "mine.toml"}));
+    upload("mine", "points");
+    EXPECT_EQ(files(), (std::set<std::string>{"mine.ply", "mine.toml"}));
+    upload("first", "voxels", 100, ".nrrd");
+    for (size_t i = 0; i < UploadedClouds::kMost; ++i) upload(fmt::format("cloud-{}", i), "points", 1);
+    EXPECT_FALSE(fs::exists(folder / "first.nrrd") || fs::exists(folder / "first.toml"));
+    write("other.nrrd", "somebody's");
+    EXPECT_NE(refusalOf("other"), "");
 }
 
 TEST_F(UploadedCloudsTest, WhatCannotBeWrittenSaysSoAndLeavesNothing) {
@@ -116,7 +130,7 @@ TEST_F(UploadedCloudsTest, WhatLiesWhereUploadsComeStays) {
     fs::create_symlink(folder / "outside.txt", folder / "incoming" / "linked.ply");
     fs::create_symlink(folder / "nowhere", folder / "dangling.toml");
     for (const char* name : {"mine", "linked"}) upload(name);
-    { const auto dropped = clouds.take("mine", "worse"); }
+    { const auto dropped = clouds.take("mine", "worse", ".ply"); }
     EXPECT_NE(refusalOf("dangling"), "");
     EXPECT_TRUE(fs::is_symlink(folder / "dangling.toml"));
     EXPECT_EQ(read("incoming/mine.ply"), "not the server's");

@@ -157,13 +157,13 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
 
   const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
-  const open = button('Open PLY…', 'Show a point cloud of yours to everyone; or drop the file here', () =>
+  const open = button('Open file…', 'Show a point cloud or volume of yours (PLY, NRRD) to everyone; or drop the file here', () =>
     host.openCloud(),
   );
   const frame: FileFrame = { unit: 'auto', up: 'y' };
-  const unit = select('File’s unit', (value) => (frame.unit = value), 'Of a point cloud that is opened or dropped');
+  const unit = select('File’s unit', (value) => (frame.unit = value), 'Of a file that is opened or dropped');
   unit.options(UNITS.map((value) => ({ value, text: value })));
-  const up = select('File’s up axis', (value) => (frame.up = value), 'Of a point cloud that is opened or dropped');
+  const up = select('File’s up axis', (value) => (frame.up = value), 'Of a file that is opened or dropped');
   up.options(UPS.map((value) => ({ value, text: value })));
   const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());

@@ -1,4 +1,4 @@
-// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY file; and what is shown now
+// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY or NRRD file; and what is shown now
 // as a file. Over HTTP, with the token of the page.
 import type { Camera } from './camera';
 import { placeText } from './place';
@@ -82,7 +82,7 @@ export function saveFile(name: string, text: string): void {
 // Calls `opened` with a file that the viewer chooses. To be called in the handler of a click.
 export function chooseFile(opened: (file: File) => void): void {
   const input = document.createElement('input');
-  Object.assign(input, { type: 'file', accept: '.ply' });
+  Object.assign(input, { type: 'file', accept: '.ply,.nrrd' });
   input.addEventListener('change', () => input.files?.[0] && opened(input.files[0]));
   input.click();
 }
