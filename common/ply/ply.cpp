@@ -23,6 +23,7 @@ namespace {
 
 using ply::Cells, ply::Element, ply::Points, ply::Reader, ply::Slot;
 
+constexpr Limits kVelocity{-1e4, 1e4}; // m/s
 constexpr size_t kLongestElement = 40; // bytes of a name, in notes
 
 // What a slot's number may be, once it is in the scene's unit.
@@ -43,7 +44,10 @@ constexpr Rule kRules[]{{ply::kX, "x", limits::kPlace, 1},
                         {ply::kRed, "red", limits::kColour, 0},
                         {ply::kGreen, "green", limits::kColour, 0},
                         {ply::kBlue, "blue", limits::kColour, 0},
-                        {ply::kId, "id", {-2147483648.0, 4294967295.0}, 0}};
+                        {ply::kId, "id", {-2147483648.0, 4294967295.0}, 0},
+                        {ply::kVX, "vx", kVelocity, 1},
+                        {ply::kVY, "vy", kVelocity, 1},
+                        {ply::kVZ, "vz", kVelocity, 1}};
 
 using Point = std::array<double, ply::kSlots>;
 
@@ -61,7 +65,11 @@ public:
         }
         const glm::dvec3 place =
             ply::turned({point[ply::kX], point[ply::kY], point[ply::kZ]}, frame_.up) - frame_.origin;
-        for (int axis = 0; axis < 3; ++axis) point[ply::kX + size_t(axis)] = place[axis];
+        const glm::dvec3 velocity = ply::turned({point[ply::kVX], point[ply::kVY], point[ply::kVZ]}, frame_.up);
+        for (int axis = 0; axis < 3; ++axis) {
+            point[ply::kX + size_t(axis)] = place[axis];
+            point[ply::kVX + size_t(axis)] = velocity[axis];
+        }
         return point;
     }
 
@@ -131,6 +139,7 @@ void addPoints(Reader& in, Points&& points, const PlyFrame& frame, PlyWanted wan
         add(out.sigma_t, ply::kSigmaT, point);
         add(out.opacity, ply::kOpacity, point);
         if (points.has(ply::kId)) out.id.push_back(static_cast<int64_t>(point[ply::kId]));
+        if (points.has(ply::kVX)) out.velocity.emplace_back(point[ply::kVX], point[ply::kVY], point[ply::kVZ]);
         if (points.has(ply::kRed)) out.albedo.emplace_back(point[ply::kRed], point[ply::kGreen], point[ply::kBlue]);
     }
     if (extent.far > 0)
@@ -214,7 +223,7 @@ void tellOfOthers(const ply::Header& header, bool tetrahedra, std::vector<std::s
 
 Points pointsOf(Reader& in, const Element& vertex, PlyWanted wanted) {
     if (!wanted.tetrahedra && ply::holdsSplats(vertex)) return ply::readSplats(in, vertex, wanted.axes);
-    return ply::readPoints(in, vertex, {wanted.ids, wanted.tetrahedra, wanted.axes});
+    return ply::readPoints(in, vertex, {wanted.ids, wanted.tetrahedra, wanted.axes, wanted.velocities});
 }
 
 } // namespace

@@ -25,6 +25,7 @@ struct PointCloud {
     std::vector<float> sigma_t;      // 1/m, extinction at a particle's centre
     std::vector<float> opacity;      // 0 ... 1, part of the light that a particle stops on a ray through its centre
     std::vector<glm::vec3> albedo;   // linear, in [0, 1]
+    std::vector<glm::vec3> velocity; // m/s; empty unless loadPly() is asked for it
     // Semi-axes over the size, which is that of the longest; empty unless loadPly() is asked for them.
     std::vector<gpu::EllipsoidAxes> axes;
     std::vector<int64_t> id;            // each point's property `id`; empty unless loadPly() is asked for it
@@ -58,6 +59,7 @@ struct PlyWanted {
     // tetrahedron has are left out, and the indices count the others.
     bool tetrahedra = false;
     bool axes = false;         // True: the points' semi-axes, which every file then has to have
+    bool velocities = false;   // True: the points' vx vy vz, too, if all three are there
     bool may_be_empty = false; // True: a file without points is an empty cloud, not an error
     bool drop_far = false;     // True: points that PlyExtent counts as far are left out
     uint64_t most = 1'000'000; // points

@@ -24,6 +24,9 @@ constexpr Source kSources[]{{kX, {"x"}},
                             {kGreen, {"green", "diffuse_green", "g"}},
                             {kBlue, {"blue", "diffuse_blue", "b"}},
                             {kId, {"id"}},
+                            {kVX, {"vx"}},
+                            {kVY, {"vy"}},
+                            {kVZ, {"vz"}},
                             {kAxisAX, {"axis_a_x"}},
                             {Slot(kAxisAX + 1), {"axis_a_y"}},
                             {Slot(kAxisAX + 2), {"axis_a_z"}},
@@ -70,7 +73,9 @@ Places placesOf(Reader& in, const Element& vertex, PointsWanted wanted, std::vec
     Places places;
     places.fill(none);
     for (const Source& source : kSources) {
-        const bool unwanted = (source.slot == kId && !wanted.ids) || (source.slot >= kAxisAX && !wanted.axes) ||
+        const bool velocity = source.slot >= kVX && source.slot <= kVZ;
+        const bool unwanted = (source.slot == kId && !wanted.ids) || (velocity && !wanted.velocities) ||
+                              (source.slot >= kAxisAX && !wanted.axes) ||
                               (wanted.corners && (source.slot == kScale || source.slot == kRadius)) ||
                               (source.slot == kRadius && places[kScale] < none) ||
                               (source.slot == kOpacity && (wanted.corners || places[kSigmaT] < none));
@@ -78,6 +83,7 @@ Places placesOf(Reader& in, const Element& vertex, PointsWanted wanted, std::vec
     }
     if (const size_t id = places[kId]; id < none && isFloat(finder.at(id).type)) places[kId] = none;
     if (std::max({places[kX], places[kY], places[kZ]}) == none) in.fail("element vertex lacks one of x, y, z");
+    if (std::max({places[kVX], places[kVY], places[kVZ]}) == none) places[kVX] = places[kVY] = places[kVZ] = none;
     const size_t colours[]{places[kRed], places[kGreen], places[kBlue]};
     if (const auto there = std::ranges::count_if(colours, [&](size_t p) { return p < none; }); there % 3 != 0) {
         notes.push_back("of red, green and blue some are missing: colours are not read");

@@ -25,6 +25,9 @@ enum Slot : size_t {
     kGreen,
     kBlue,
     kId,
+    kVX, // velocity, the file's unit a second
+    kVY,
+    kVZ,
     kAxisAX, // three semi-axes, in the file's unit or over the size, each x, y, z
     kAxisCZ = kAxisAX + 8,
     kSlots
@@ -42,9 +45,10 @@ struct Points {
 };
 
 struct PointsWanted {
-    bool ids = false;     // True: property `id`, too, if it is of a whole-number type
-    bool corners = false; // True: points are corners of tetrahedra, which have no sizes
-    bool axes = false;    // True: the points' semi-axes, too
+    bool ids = false;        // True: property `id`, too, if it is of a whole-number type
+    bool corners = false;    // True: points are corners of tetrahedra, which have no sizes
+    bool axes = false;       // True: the points' semi-axes, too
+    bool velocities = false; // True: their velocities, too, if all three numbers are there
 };
 
 // The file stands at the first row of `vertex`. Sizes are `scale` or `radius`, extinctions `sigma_t` or `opacity`,

@@ -32,6 +32,7 @@ struct Placement {
     std::vector<glm::vec3> albedo;        // replaces the medium's
     std::vector<gpu::EllipsoidAxes> axes; // of ellipsoids; empty with another model
     std::vector<int64_t> id;              // each point's id, where a sequence's file has them
+    std::vector<glm::vec3> velocity;      // m/s, where a sequence's file has it
     bool own_scale = false;               // True: sizes came with the points
     bool still = false;                   // True: they stand for something that does not move
     std::optional<PointCloudFacts> cloud; // facts about points of a file; nothing for other layouts

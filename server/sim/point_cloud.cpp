@@ -160,11 +160,13 @@ Placement placePointCloud(const Medium& medium, glm::dvec3 origin) {
                                {.ids = sequence,
                                 .tetrahedra = tetrahedra,
                                 .axes = ellipsoids,
+                                .velocities = sequence,
                                 .may_be_empty = sequence,
                                 .drop_far = medium.far_points == "drop" && !tetrahedra,
                                 .most = may_be_many ? kMostPlyPoints : uint64_t(limits::kCount.hi)});
     Placement out;
     out.id = std::move(cloud.id);
+    out.velocity = std::move(cloud.velocity);
     out.position = std::move(cloud.position);
     out.axes = std::move(cloud.axes);
     PointCloudFacts facts;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/scene_limits.h"
 #include "server/sim/kernels.h"
 
 namespace brume {
@@ -37,10 +38,13 @@ Sequence::Moment Sequence::at(uint64_t step) const {
         return time < static_cast<double>(file.number - first);
     });
     const auto shown = std::prev(after);
-    if (after == files.end() || !files_.has_ids) return {static_cast<size_t>(shown - files.begin()), 0};
     const double since = now - static_cast<double>(shown->number - first);
-    return {static_cast<size_t>(shown - files.begin()),
-            static_cast<float>(since / static_cast<double>(after->number - shown->number))};
+    Moment moment{.file = static_cast<size_t>(shown - files.begin()), .since = static_cast<float>(since / rate_)};
+    if (after == files.end() || !(files_.has_ids || files_.has_velocities)) return moment;
+    const auto whole = static_cast<double>(after->number - shown->number);
+    moment.part = static_cast<float>(since / whole);
+    moment.left = static_cast<float>((whole - since) / rate_);
+    return moment;
 }
 
 // Ids ascend in every file, so that one pass over both finds all that are in both.
@@ -58,11 +62,31 @@ void Sequence::turnTo(size_t file) {
     }
 }
 
+void Sequence::add(Columns& columns, const SequenceFile& file, float seconds, float part, glm::vec3 volume) {
+    for (size_t i = 0; i < file.position.size(); ++i, ++live_) {
+        glm::vec3 place = file.position[i];
+        if (!file.velocity.empty()) place += seconds * file.velocity[i];
+        for (int axis = 0; axis < 3; ++axis) place[axis] = limits::kPlace.clamp(place[axis]);
+        columns[Column::x][live_] = place.x + volume.x;
+        columns[Column::y][live_] = place.y + volume.y;
+        columns[Column::z][live_] = place.z + volume.z;
+        columns[Column::scale][live_] = file.scale[i];
+        columns[Column::weight][live_] = part * file.weight[i];
+        if (!albedos_.empty()) albedos_[live_] = file.albedo[i];
+    }
+}
+
 void Sequence::show(Columns& columns, uint64_t step, glm::vec3 volume) {
     const Moment moment = at(step);
     if (moment.file != present_) turnTo(moment.file);
     const SequenceFile& now = files_.files[moment.file];
     const SequenceFile* then = moment.part > 0 ? &files_.files[moment.file + 1] : nullptr;
+    if (files_.has_velocities) {
+        live_ = 0;
+        add(columns, now, moment.since, 1 - moment.part, volume);
+        if (then) add(columns, *then, -moment.left, moment.part, volume);
+        return;
+    }
     for (uint32_t row = 0; row < live_; ++row) {
         glm::vec3 place = now.position[row];
         float scale = now.scale[row], weight = now.weight[row];

@@ -1,4 +1,5 @@
 // A simulation that was computed before: its files are shown one after another. Points with ids move from file to file.
+// Of points with velocities one file fades into the next, and all are where they are at the moment.
 #pragma once
 
 #include <vector>
@@ -31,10 +32,14 @@ private:
     struct Moment {
         size_t file = 0; // the one that is shown
         float part = 0;  // of the way to the next; 0 where points do not move
+        float since = 0; // s, for which it is shown
+        float left = 0;  // s, until the next
     };
     Moment at(uint64_t step) const;
     void turnTo(size_t file);
     void show(Columns& columns, uint64_t step, glm::vec3 volume);
+    // Appends the points of a file as they are so many seconds after it, with a part of their extinction.
+    void add(Columns& columns, const SequenceFile& file, float seconds, float part, glm::vec3 volume);
 
     const SequenceFiles files_;
     const double rate_;

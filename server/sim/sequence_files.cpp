@@ -9,6 +9,7 @@
 
 #include "common/numbered_files.h"
 #include "common/random.h"
+#include "common/scene_limits.h"
 #include "common/text.h"
 #include "server/sim/point_cloud.h"
 #include "server/sim/state_hash.h"
@@ -23,8 +24,9 @@ namespace {
 
 // What the points of a file come with, besides their places.
 std::string propertiesOf(const Placement& placed) {
-    return fmt::format("{}, {}, {}", placed.own_scale ? placed.cloud->sizes_from : "no sizes",
-                       placed.cloud->extinctions_from, placed.cloud->coloured ? "colours" : "no colours");
+    return fmt::format("{}, {}, {}, {}", placed.own_scale ? placed.cloud->sizes_from : "no sizes",
+                       placed.cloud->extinctions_from, placed.cloud->coloured ? "colours" : "no colours",
+                       placed.velocity.empty() ? "no velocities" : "velocities");
 }
 
 template <class T>
@@ -49,11 +51,12 @@ void sortById(SequenceFile& file, const std::filesystem::path& path) {
     reorder(file.scale, order);
     reorder(file.weight, order);
     reorder(file.albedo, order);
+    reorder(file.velocity, order);
     reorder(file.id, order);
 }
 
 uint64_t bytesOf(const SequenceFile& file) {
-    return (file.position.size() + file.albedo.size()) * sizeof(glm::vec3) +
+    return (file.position.size() + file.albedo.size() + file.velocity.size()) * sizeof(glm::vec3) +
            (file.scale.size() + file.weight.size()) * sizeof(float) + file.id.size() * sizeof(int64_t);
 }
 
@@ -64,7 +67,8 @@ SequenceFile fileOf(uint64_t number, Placement&& placed, const Medium& medium) {
                      std::move(placed.scale),
                      std::move(placed.sigma_t),
                      std::move(placed.albedo),
-                     std::move(placed.id)};
+                     std::move(placed.id),
+                     std::move(placed.velocity)};
     const bool own_extinction = !out.weight.empty();
     for (size_t i = 0; i < out.position.size(); ++i) {
         out.position[i] += medium.centre;
@@ -87,6 +91,7 @@ uint64_t hashOf(const SequenceFiles& all, const Medium& medium) {
         hash.add(file.scale);
         hash.add(file.weight);
         if (!file.albedo.empty()) hash.add(std::span(&file.albedo[0].x, 3 * file.albedo.size()));
+        if (!file.velocity.empty()) hash.add(std::span(&file.velocity[0].x, 3 * file.velocity.size()));
         for (const int64_t id : file.id) hash.add(static_cast<uint64_t>(id));
     }
     return hash.value();
@@ -98,14 +103,16 @@ std::string textOf(const SequenceFiles& all, const Medium& medium, const std::st
     const auto count = [](const SequenceFile& a, const SequenceFile& b) {
         return a.position.size() < b.position.size();
     };
-    const size_t least = std::min_element(all.files.begin(), all.files.end(), count)->position.size();
+    const auto [few, many] = std::minmax_element(all.files.begin(), all.files.end(), count);
+    const size_t least = few->position.size(), most = many->position.size();
     return fmt::format("{} files, {} to {}, in {:.4g} s, {}; {} points; {}", all.files.size(), first, last,
                        static_cast<double>(last - first + 1) / static_cast<double>(medium.rate),
                        medium.loop ? "again and again" : "once",
-                       least < all.most ? fmt::format("{} to {}", least, all.most) : fmt::format("{}", least),
-                       without_ids.empty() ? "they move by their ids"
-                                           : "each file is shown until the next, as '" + without_ids +
-                                                 "' has no property id of whole numbers");
+                       least < most ? fmt::format("{} to {}", least, most) : fmt::format("{}", least),
+                       all.has_velocities ? "they move by their velocities"
+                       : all.has_ids      ? "they move by their ids"
+                                          : "each file is shown until the next, as '" + without_ids +
+                                           "' has no property id of whole numbers");
 }
 
 std::string gapsOf(const SequenceFiles& all, const std::filesystem::path& pattern) {
@@ -134,7 +141,8 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
         one.file = path;
         Placement placed = placePointCloud(one, origin);
         if (placed.position.empty()) { // a moment without anything
-            out.files.push_back({.number = number, .position = {}, .scale = {}, .weight = {}, .albedo = {}, .id = {}});
+            out.files.push_back(
+                {.number = number, .position = {}, .scale = {}, .weight = {}, .albedo = {}, .id = {}, .velocity = {}});
             continue;
         }
         if (placed.cloud->by_depth) {
@@ -168,7 +176,15 @@ SequenceFiles loadSequence(const Medium& medium, glm::dvec3 origin, uint64_t mos
         out.files.push_back(std::move(file));
     }
     if (out.most == 0) fail(medium.file, "no file has a point; allowed: files without points beside others");
-    out.has_ids = without_ids.empty();
+    out.has_velocities =
+        std::ranges::any_of(out.files, [](const SequenceFile& file) { return !file.velocity.empty(); });
+    out.has_ids = without_ids.empty() && !out.has_velocities;
+    for (size_t i = 1; out.has_velocities && i < out.files.size(); ++i) // one fades into the other
+        out.most = std::max(out.most, uint32_t(out.files[i - 1].position.size() + out.files[i].position.size()));
+    if (double(out.most) > limits::kCount.hi)
+        fail(medium.file, fmt::format("two files one after the other have {} points with velocities, which are shown "
+                                      "together; allowed: {:.0f}",
+                                      out.most, limits::kCount.hi));
     for (SequenceFile& file : out.files)
         if (!out.has_ids) {
             out.bytes -= file.id.size() * sizeof(int64_t);

@@ -17,14 +17,16 @@ struct SequenceFile {
     std::vector<float> scale;        // m
     std::vector<float> weight;       // as Column::weight
     std::vector<glm::vec3> albedo;
-    std::vector<int64_t> id; // ascending
+    std::vector<int64_t> id;         // ascending
+    std::vector<glm::vec3> velocity; // m/s
 };
 
 struct SequenceFiles {
     std::vector<SequenceFile> files; // by number; at least one
-    uint32_t most = 0;               // points of the largest
+    uint32_t most = 0;               // points that are shown at once
     bool own_extinction = false;     // True: weights are extinctions (1/m) that came with the points
-    bool has_ids = false;            // True: the points of every file have ids
+    bool has_ids = false;            // True: the points of every file have ids, and no velocities
+    bool has_velocities = false;     // True: the points of every file have velocities
     uint64_t hash = 0;               // of the points, their times and how they are played
     uint64_t bytes = 0;              // of the points
     PointCloudFacts facts;           // of the first file, with points that are left out of all files

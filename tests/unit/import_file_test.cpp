@@ -138,9 +138,12 @@ TEST(ImportFile, CellsOfASequenceKeepTheirIds) {
     for (int frame : {1, 2, 4}) {
         Volume volume = ballVolume(frame == 4 ? 1.2 : 1);
         if (frame == 2) volume.albedo.clear(); // the first file's properties are all files'
-        writeVolume(folder() / ("frame_00" + std::to_string(frame) + ".vdb"), volume, true);
+        volume.velocity.assign(volume.voxels.values().size(), glm::vec3(0, 1, 0));
+        writeVolume(folder() / ("frame_00" + std::to_string(frame) + ".vdb"), volume);
     }
-    const std::vector<std::string> said = run(settingsOf("frame_###.vdb", "frame_###.ply"));
+    ImportSettings settings = settingsOf("frame_###.vdb", "frame_###.ply");
+    settings.wanted.velocity = "none";
+    const std::vector<std::string> said = run(settings);
     EXPECT_NE(std::ranges::find_if(said, [](const std::string& s) { return s.ends_with("velocity is ignored"); }),
               said.end());
     const auto load = [](int frame) {
@@ -152,6 +155,32 @@ TEST(ImportFile, CellsOfASequenceKeepTheirIds) {
     EXPECT_EQ(first.albedo.size(), second.albedo.size());
     EXPECT_EQ(std::set<int64_t>(last.id.begin(), last.id.end()).size(), last.id.size());
     EXPECT_TRUE(std::ranges::any_of(last.id, [&](int64_t id) { return std::ranges::count(first.id, id) > 0; }));
+}
+
+TEST(ImportFile, PointsOfASequenceHaveTheVoxelsVelocities) {
+    for (int frame : {1, 2}) {
+        Volume volume = ballVolume();
+        if (frame == 1) volume.velocity.assign(volume.voxels.values().size(), glm::vec3(1, 2, 3));
+        writeVolume(folder() / ("moved_00" + std::to_string(frame) + ".vdb"), volume);
+    }
+    ImportSettings settings = settingsOf("moved_###.vdb", "moved_###.ply");
+    settings.placing.z_up = true;
+    settings.placing.scale = 0.5;
+    const std::vector<std::string> said = run(settings);
+    EXPECT_NE(std::ranges::find_if(said,
+                                   [](const std::string& s) {
+                                       return s.ends_with("no velocity, unlike in the first file; 0 is taken");
+                                   }),
+              said.end());
+    const auto load = [](int frame) {
+        return loadPly(folder() / ("moved_00" + std::to_string(frame) + ".ply"), {}, {.ids = true, .velocities = true});
+    };
+    const PointCloud first = load(1), second = load(2);
+    EXPECT_TRUE(first.id.empty());
+    ASSERT_FALSE(first.velocity.empty());
+    for (const glm::vec3& velocity : first.velocity) EXPECT_LT(glm::distance(velocity, {0.5f, 1.5f, -1}), 1e-5f);
+    ASSERT_EQ(second.velocity.size(), second.position.size());
+    EXPECT_EQ(second.velocity.front(), glm::vec3(0));
 }
 
 // The voxels themselves, read back at their places.

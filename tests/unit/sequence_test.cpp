@@ -2,71 +2,16 @@
 #include "server/sim/sequence.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "server/sim/point_cloud.h"
 #include "tests/unit/allocations.h"
-#include "tests/unit/simulation_scenes.h"
+#include "tests/unit/sequences.h"
 
-namespace brume {
+namespace brume::sequences_test {
 namespace {
-
-class Sequences : public testing::Test {
-protected:
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / ("brume-sequence-" + std::to_string(getpid()));
-
-    void SetUp() override { std::filesystem::create_directories(folder); }
-    void TearDown() override { std::filesystem::remove_all(folder); }
-
-    // `properties`: "float x", one a line; `body`: the points, one a line.
-    void put(const std::string& name, const std::string& properties, const std::string& body) const {
-        std::ofstream out(folder / name);
-        out << "ply\nformat ascii 1.0\nelement vertex " << std::count(body.begin(), body.end(), '\n') << '\n';
-        for (size_t at = 0, end; at < properties.size(); at = end + 1) {
-            end = properties.find('\n', at);
-            out << "property " << properties.substr(at, end - at) << '\n';
-        }
-        out << "end_header\n" << body;
-    }
-    Scene scene(const std::string& medium = "rate = 10\n") const {
-        std::ofstream(folder / "scene.toml") << "[medium]\nlayout = 'sequence'\nfile = 'smoke-###.ply'\n" << medium;
-        return loadScene(folder / "scene.toml");
-    }
-    std::string errorOf(const std::string& medium = "") const {
-        try {
-            Simulation simulation(scene(medium), 1 << 20);
-        } catch (const SceneError& error) {
-            EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-            return error.what();
-        }
-        return "no error";
-    }
-    static std::string lines(const Scene& scene) {
-        const Simulation simulation(scene);
-        std::string all = pointCloudLine(scene, simulation) + '\n';
-        for (const std::string& warning : pointCloudWarnings(scene, simulation)) all += warning + '\n';
-        return all;
-    }
-};
-
-const std::string kXyz = "float x\nfloat y\nfloat z\n", kIds = kXyz + "int id\n",
-                  kOwn = kIds + "float scale\nfloat sigma_t\nfloat red\nfloat green\nfloat blue\n";
-
-std::vector<float> xs(const Simulation& simulation) {
-    std::vector<float> out;
-    for (const gpu::Particle& p : particlesOf(simulation)) out.push_back(p.centre.x);
-    return out;
-}
-void run(Simulation& simulation, int steps) {
-    for (int i = 0; i < steps; ++i) simulation.step({});
-}
-using Floats = std::vector<float>;
 
 // As a file alone does, and the same in all of its files: more points are more smoke.
 TEST_F(Sequences, PointsWithoutAnExtinctionHaveThatOfTheFirstFile) {
@@ -291,8 +236,8 @@ TEST_F(Sequences, BadFilesEndInOneLineThatNamesThem) {
         << errorOf();
     put("smoke-001.ply", kIds + "float scale\n", "0 0 0 7 1\n");
     const std::string unlike = errorOf("extinction = 5\n");
-    EXPECT_NE(unlike.find("smoke-001.ply: PLY: the file's scale, medium.extinction, medium.multiplier, no colours; "
-                          "the first file of the sequence has: no sizes"),
+    EXPECT_NE(unlike.find("smoke-001.ply: PLY: the file's scale, medium.extinction, medium.multiplier, no colours, no "
+                          "velocities; the first file of the sequence has: no sizes"),
               std::string::npos)
         << unlike;
     put("smoke-001.ply", kIds, "0 0 0 7\n1 0 0 0.5\n2 0 99999 8\n");
@@ -343,4 +288,4 @@ TEST_F(Sequences, OfAllFilesTheFirstStandsIn) {
 }
 
 } // namespace
-} // namespace brume
+} // namespace brume::sequences_test

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <numbers>
 #include <optional>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +17,8 @@
 #include "tools/import/samples.h"
 
 namespace {
+
+constexpr double kRate = 1; // frames a second
 
 using namespace brume;
 using volumes::Volume;
@@ -57,17 +61,43 @@ float sheetAt(glm::ivec3 voxel) {
     return std::max(float(1 - std::abs(voxel.y - middle) / 2.5), 0.0f);
 }
 
-// A puff that rises and widens, in one of its frames.
-Volume puff(int frame) {
+// A puff that rises by `step` voxels a frame and widens. `frame` may lie between two of them.
+Volume puff(double frame, double step) {
     const double deviation = 9 + 0.5 * frame;
-    const glm::dvec3 centre(0, 2.0 * frame, 0);
-    return volumeOf(volumes::sampled({-48, -48, -48}, {48, 64, 48}, 1e-3f,
-                                     [&](glm::ivec3 v) {
-                                         const double r = glm::length(glm::dvec3(v) - centre) / deviation;
-                                         return float(std::exp(-r * r / 2)) *
-                                                volumes::fractalNoise((glm::dvec3(v) - centre) / 16.0, 3, 5);
-                                     }),
-                    0.1);
+    const glm::dvec3 centre(0, step * frame, 0);
+    Volume out = volumeOf(volumes::sampled({-48, -48, -48}, {48, 96, 48}, 1e-3f,
+                                           [&](glm::ivec3 v) {
+                                               const double r = glm::length(glm::dvec3(v) - centre) / deviation;
+                                               return float(std::exp(-r * r / 2)) *
+                                                      volumes::fractalNoise((glm::dvec3(v) - centre) / 16.0, 3, 5);
+                                           }),
+                          0.1);
+    out.velocity.assign(out.voxels.values().size(), glm::vec3(0, step * out.width * kRate, 0));
+    return out;
+}
+
+// What layout `sequence` shows half-way between two files.
+std::vector<volumes::Kernel> halfWay(const std::filesystem::path& folder, const std::string& name, int frame,
+                                     const volumes::ImportSettings& settings, double width) {
+    std::ofstream(folder / "half.toml") << "[medium]\nlayout = 'sequence'\nfile = '" << name << "-##.ply'\nrate = 1\n";
+    for (int i = 0; i < 2; ++i)
+        std::filesystem::copy_file(settings.out.parent_path() / fmt::format("{}_{:04}.ply", name, frame + i),
+                                   folder / fmt::format("{}-{:02}.ply", name, i),
+                                   std::filesystem::copy_options::overwrite_existing);
+    Simulation simulation(loadScene(folder / "half.toml"));
+    for (int i = 0; i < 30; ++i) simulation.step({});
+    std::vector<gpu::Particle> particles(simulation.liveCount());
+    simulation.write(particles);
+    std::vector<volumes::Kernel> out;
+    for (const gpu::Particle& p : particles) {
+        const double deviation = double(p.scale) * settings.placing.falloff / 10 / width;
+        volumes::Kernel& kernel = out.emplace_back();
+        kernel.at = glm::dvec3(p.centre) / width;
+        kernel.spread = volumes::ballSpread(deviation) - glm::dmat3(volumes::kInterpolation); // which errorOf() adds
+        kernel.mass = float(double(p.sigma_t) / settings.placing.density *
+                            std::pow(std::sqrt(2 * std::numbers::pi) * deviation, 3));
+    }
+    return out;
 }
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -102,14 +132,20 @@ public:
         std::fflush(stdout);
     }
 
-    void sequence(const std::string& name, int frames) {
+    // With the voxels' velocities and without them.
+    void sequence(const std::string& name, int frames, double step) {
         for (int frame = 1; frame <= frames; ++frame)
-            volumes::writeVolume(folder_ / fmt::format("{}_{:04}.vdb", name, frame), puff(frame), true);
-        const double begun = seconds();
-        const volumes::Imported got = volumes::importFiles(
-            settingsOf(folder_ / (name + "_####.vdb"), folder_ / (name + "_####.ply"), 2), [](const std::string&) {});
-        row(fmt::format("{}, the last of {} frames", name, frames), got, (seconds() - begun) / frames);
-        std::printf(" |\n");
+            volumes::writeVolume(folder_ / fmt::format("{}_{:04}.vdb", name, frame), puff(frame, step));
+        for (const char* const velocity : {"none", ""}) {
+            const double begun = seconds();
+            volumes::ImportSettings settings =
+                settingsOf(folder_ / (name + "_####.vdb"), folder_ / (name + "_####.ply"), 2);
+            settings.wanted.velocity = velocity;
+            const volumes::Imported got = volumes::importFiles(settings, [](const std::string&) {});
+            row(fmt::format("{}, the last of {} frames", name, frames), got, (seconds() - begun) / frames);
+            std::printf(" half-way between frames, by %s: %.4f |\n", *velocity ? "ids" : "velocities",
+                        worstBetween(name, frames, step, settings));
+        }
     }
 
 private:
@@ -122,6 +158,18 @@ private:
         settings.fit.error = error_;
         settings.fit.ellipsoids = ellipsoids_;
         return settings;
+    }
+
+    // The largest error half-way between two frames.
+    double worstBetween(const std::string& name, int frames, double step,
+                        const volumes::ImportSettings& settings) const {
+        double worst = 0;
+        for (int frame = 1; frame < frames; ++frame) {
+            const Volume between = puff(frame + 0.5, step);
+            const volumes::Rays rays(between.voxels, volumes::depthPerValue(between, settings.placing));
+            worst = std::max(worst, rays.errorOf(halfWay(folder_, name, frame, settings, between.width)).worst());
+        }
+        return worst;
     }
 
     void row(const std::string& name, const volumes::Imported& got, double took) const {
@@ -163,7 +211,10 @@ int main(int argc, char** argv) {
             bench.volume("ball", volumeOf(volumes::sampled(glm::ivec3(-62), glm::ivec3(62), 0, ballAt), 1), 0.1);
         if (wanted("sheet"))
             bench.volume("sheet", volumeOf(volumes::sampled({-90, -20, -90}, {90, 20, 90}, 0, sheetAt), 1), 0.5);
-        if (wanted("puff") && !ellipsoids) bench.sequence("puff", 6);
+        if (wanted("puff") && !ellipsoids) {
+            bench.sequence("puff", 6, 2);
+            bench.sequence("fast", 6, 8);
+        }
         return 0;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "brume-import-bench: %s\n", e.what());

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -14,8 +15,8 @@ namespace brume::volumes {
 
 namespace {
 
-// The mean albedo of the voxels in a kernel's cell, or of the nearest around it, weighted by their values.
-glm::vec3 albedoOf(const Volume& volume, const Kernel& kernel) {
+// The mean of a vector at the voxels in a kernel's cell, or at the nearest around it, weighted by their values.
+std::optional<glm::vec3> meanOf(const std::vector<glm::vec3>& vectors, const Volume& volume, const Kernel& kernel) {
     const int half = std::max(1 << kernel.level >> 1, 1);
     const glm::ivec3 middle(glm::round(kernel.at));
     glm::dvec3 sum(0);
@@ -26,10 +27,10 @@ glm::vec3 albedoOf(const Volume& volume, const Kernel& kernel) {
                 const uint32_t block = volume.voxels.find(glm::ivec3(x, y, z) >> 3);
                 if (block == kNoBlock) continue;
                 const size_t i = block * kInBlock + inBlock({x, y, z});
-                sum += double(volume.voxels.values()[i]) * glm::dvec3(volume.albedo[i]);
+                sum += double(volume.voxels.values()[i]) * glm::dvec3(vectors[i]);
                 all += double(volume.voxels.values()[i]);
             }
-    return all > 0 ? glm::vec3(sum / all) : glm::vec3(1);
+    return all > 0 ? std::optional(glm::vec3(sum / all)) : std::nullopt;
 }
 
 void check(const char* what, const char* unit, double value, Limits allowed, const char* remedy) {
@@ -66,7 +67,8 @@ int32_t CellIds::of(const Kernel& kernel) {
 Cloud cloudOf(const Volume& volume, const std::vector<Kernel>& kernels, const Placing& placing, CellIds* ids) {
     Cloud out;
     out.coloured = !volume.albedo.empty();
-    out.has_ids = ids != nullptr;
+    out.has_velocities = ids && !volume.velocity.empty();
+    out.has_ids = ids && !out.has_velocities;
     out.has_axes = !std::ranges::all_of(kernels, isBall);
     if (ids) ids->begin(volume);
     const glm::dmat3 turn = volume.turn / volume.width; // of a direction
@@ -84,8 +86,11 @@ Cloud cloudOf(const Volume& volume, const std::vector<Kernel>& kernels, const Pl
         for (int axis = 0; axis < 3; ++axis) check("place", "m", at[axis], limits::kPlace, "a lower --scale");
         Cloud::Point& point = out.points.emplace_back();
         point = {.at = glm::vec3(at), .scale = float(scale), .sigma_t = float(sigma_t)};
-        if (out.coloured) point.albedo = albedoOf(volume, kernel);
-        if (ids) point.id = ids->of(kernel);
+        if (out.coloured) point.albedo = meanOf(volume.albedo, volume, kernel).value_or(glm::vec3(1));
+        if (out.has_velocities)
+            point.velocity =
+                turned(meanOf(volume.velocity, volume, kernel).value_or(glm::vec3(0)) * float(placing.scale));
+        if (out.has_ids) point.id = ids->of(kernel);
         for (int axis = 0; axis < 3; ++axis)
             point.axes[axis] = glm::vec3(turned(turn * axes.unit[axis]) * (deviation[axis] / longest));
     }
@@ -103,6 +108,7 @@ void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std
     if (cloud.has_axes)
         for (const char axis : {'a', 'b', 'c'})
             for (const char along : {'x', 'y', 'z'}) bytes += fmt::format("property float axis_{}_{}\n", axis, along);
+    if (cloud.has_velocities) bytes += "property float vx\nproperty float vy\nproperty float vz\n";
     if (cloud.has_ids) bytes += "property int id\n";
     bytes += "end_header\n";
     for (const Cloud::Point& point : cloud.points) {
@@ -111,6 +117,7 @@ void writeCloud(const std::filesystem::path& file, const Cloud& cloud, const std
         append(bytes, point.sigma_t);
         for (int channel = 0; cloud.coloured && channel < 3; ++channel) append(bytes, point.albedo[channel]);
         for (int n = 0; cloud.has_axes && n < 9; ++n) append(bytes, point.axes[n / 3][n % 3]);
+        for (int axis = 0; cloud.has_velocities && axis < 3; ++axis) append(bytes, point.velocity[axis]);
         if (cloud.has_ids) append(bytes, point.id);
     }
     std::ofstream out(file, std::ios::binary);

@@ -45,14 +45,16 @@ struct Cloud {
         glm::vec3 at; // m
         float scale, sigma_t;
         glm::vec3 albedo{1};
+        glm::vec3 velocity{0}; // m/s
         int32_t id = 0;
         glm::mat3 axes{1}; // columns at right angles, the longest of length 1
     };
     std::vector<Point> points;
-    bool coloured = false, has_ids = false, has_axes = false; // what their file says of them
+    bool coloured = false, has_ids = false, has_velocities = false, has_axes = false; // what their file says of them
 };
 
-// `ids`: null for points without. Throws ImportError for points that a scene cannot have.
+// `ids`: of a sequence, otherwise null. Points of a sequence have a velocity, where the volume has, or else an id.
+// Throws ImportError for points that a scene cannot have.
 Cloud cloudOf(const Volume& volume, const std::vector<Kernel>& kernels, const Placing& placing, CellIds* ids);
 
 // Binary little-endian. Throws ImportError if it cannot be written.

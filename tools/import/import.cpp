@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -23,24 +24,30 @@ std::string missed(const Fit& fit, const FitSettings& settings) {
                        settings.error, remedy);
 }
 
-// The same volume with voxels half as wide. A colour between voxels is that of the densest around.
+// Vectors at voxels half as wide. One between voxels is that of the densest around.
+std::vector<glm::vec3> halved(const std::vector<glm::vec3>& vectors, const Voxels& voxels, const Voxels& fine) {
+    std::vector<glm::vec3> out(vectors.empty() ? 0 : fine.values().size(), glm::vec3(0));
+    for (size_t i = 0; i < out.size(); ++i) {
+        const glm::ivec3 voxel = voxelOf(fine.blocks()[i / kInBlock], i % kInBlock);
+        float most = 0;
+        for (int n = 0; n < 8; ++n) {
+            const glm::ivec3 near = (voxel >> 1) + ((voxel & 1) & glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
+            if (voxels.at(near) <= most) continue;
+            most = voxels.at(near);
+            out[i] = vectors[voxels.find(near >> 3) * kInBlock + inBlock(near)];
+        }
+    }
+    return out;
+}
+
+// The same volume with voxels half as wide.
 Volume halved(const Volume& volume) {
     Volume out = volume;
     out.voxels = halved(volume.voxels);
     out.turn *= 0.5;
     out.width *= 0.5;
-    if (volume.albedo.empty()) return out;
-    out.albedo.assign(out.voxels.values().size(), glm::vec3(0));
-    for (size_t i = 0; i < out.albedo.size(); ++i) {
-        const glm::ivec3 voxel = voxelOf(out.voxels.blocks()[i / kInBlock], i % kInBlock);
-        float most = 0;
-        for (int n = 0; n < 8; ++n) {
-            const glm::ivec3 near = (voxel >> 1) + ((voxel & 1) & glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
-            if (volume.voxels.at(near) <= most) continue;
-            most = volume.voxels.at(near);
-            out.albedo[i] = volume.albedo[volume.voxels.find(near >> 3) * kInBlock + inBlock(near)];
-        }
-    }
+    out.albedo = halved(volume.albedo, volume.voxels, out.voxels);
+    out.velocity = halved(volume.velocity, volume.voxels, out.voxels);
     return out;
 }
 
@@ -51,10 +58,12 @@ public:
 
     void file(const std::filesystem::path& in, const std::filesystem::path& out, CellIds* ids) {
         const double begun = seconds();
-        Volume volume = readVolume(in, settings_.wanted);
+        VolumeWanted wanted = settings_.wanted;
+        if (!ids) wanted.velocity = "none"; // a cloud of one file stands still
+        Volume volume = readVolume(in, wanted);
         if (!std::ofstream(out, std::ios::app)) throw ImportError(out.string() + ": cannot be written");
         for (const std::string& note : volume.notes) say_(in.string() + ": " + note);
-        if (ids) colour(in, volume);
+        if (ids) alike(in, volume);
         const uint64_t voxels = volume.voxels.active();
         if (out.extension() == ".nrrd") {
             writeNrrd(out, volume, settings_.placing, "made by brume-import from " + in.filename().string());
@@ -100,19 +109,21 @@ private:
     }
 
     // All files of a sequence have the same properties: the first one's.
-    void colour(const std::filesystem::path& in, Volume& volume) {
-        const bool has = !volume.albedo.empty();
-        if (first_) coloured_ = has;
-        first_ = false;
-        if (has == coloured_) return;
-        say_(in.string() + (has ? ": the albedo is ignored, as the first file has none"
-                                : ": no albedo, unlike in the first file; 1 is taken"));
-        volume.albedo.assign(coloured_ ? volume.voxels.values().size() : 0, glm::vec3(1));
+    void alike(const std::filesystem::path& in, Volume& volume) {
+        if (!wanted_) wanted_ = {!volume.albedo.empty(), !volume.velocity.empty()};
+        const auto as = [&](bool wanted, const char* what, const char* instead, glm::vec3 value, auto& vectors) {
+            if (!vectors.empty() == wanted) return;
+            say_(in.string() + (wanted ? fmt::format(": no {}, unlike in the first file; {} is taken", what, instead)
+                                       : fmt::format(": the {} is ignored, as the first file has none", what)));
+            vectors.assign(wanted ? volume.voxels.values().size() : 0, value);
+        };
+        as(wanted_->first, "albedo", "1", glm::vec3(1), volume.albedo);
+        as(wanted_->second, "velocity", "0", glm::vec3(0), volume.velocity);
     }
 
     const ImportSettings& settings_;
     const std::function<void(const std::string&)>& say_;
-    bool first_ = true, coloured_ = false;
+    std::optional<std::pair<bool, bool>> wanted_; // albedo and velocity, as the first file has them
 };
 
 } // namespace

@@ -31,6 +31,8 @@ int main(int argc, char** argv) {
     app.add_option("--grid", settings.wanted.grid, "the grid of extinctions")->capture_default_str();
     app.add_option("--albedo", settings.wanted.albedo,
                    "the grid of albedos, or none; otherwise albedo, color or Cd, if there is one");
+    app.add_option("--velocity", settings.wanted.velocity,
+                   "of a sequence the grid of velocities, per second, or none; otherwise velocity, vel or v");
     app.add_option("--up", up, "the file's upward axis: y as Houdini has it, z as Blender")
         ->check(CLI::IsMember({"y", "z"}))
         ->capture_default_str();

@@ -24,24 +24,24 @@ public:
 
 struct Volume {
     Voxels voxels{{}};
-    glm::dmat3 turn{1};             // of the file's space from voxels: a voxel's width times a rotation
-    glm::dvec3 origin{0};           // of voxel (0, 0, 0), in the file's space
-    double width = 1;               // of a voxel, in the file's unit
-    std::vector<glm::vec3> albedo;  // beside voxels.values(), or empty
-    std::vector<std::string> notes; // for people: what was left out
+    glm::dmat3 turn{1};              // of the file's space from voxels: a voxel's width times a rotation
+    glm::dvec3 origin{0};            // of voxel (0, 0, 0), in the file's space
+    double width = 1;                // of a voxel, in the file's unit
+    std::vector<glm::vec3> albedo;   // beside voxels.values(), or empty
+    std::vector<glm::vec3> velocity; // the file's unit a second; beside voxels.values(), or empty
+    std::vector<std::string> notes;  // for people: what was left out
 };
 
 struct VolumeWanted {
     std::string grid = "density";
-    std::string albedo; // name of a grid, "none", or empty for one of the usual names
+    std::string albedo, velocity; // names of grids, "none", or empty for one of the usual names
 };
 
 // Throws ImportError for a file that is no VDB, has no such grid, no voxel above 0, too many of them, or ones that are
 // no cubes.
 Volume readVolume(const std::filesystem::path& file, const VolumeWanted& wanted);
 
-// Writes grid `density` and, if there is an albedo, grid `albedo`; beside them `velocity` where `with_velocity`, which
-// is for tests. Throws ImportError if it cannot.
-void writeVolume(const std::filesystem::path& file, const Volume& volume, bool with_velocity = false);
+// Writes grid `density` and, if they are there, grids `albedo` and `velocity`. Throws ImportError if it cannot.
+void writeVolume(const std::filesystem::path& file, const Volume& volume);
 
 } // namespace brume::volumes

@@ -15,6 +15,7 @@ namespace brume::volumes {
 namespace {
 
 constexpr const char* kAlbedoNames[] = {"albedo", "color", "Cd"}; // brume-export, Blender, Houdini
+constexpr const char* kVelocityNames[] = {"velocity", "vel", "v"};
 
 openvdb::Coord coordOf(glm::ivec3 voxel) { return {voxel.x, voxel.y, voxel.z}; }
 glm::ivec3 voxelOf(const openvdb::Coord& coord) { return {coord.x(), coord.y(), coord.z()}; }
@@ -124,32 +125,35 @@ void copy(const openvdb::FloatGrid& grid, Volume& out) {
     if (broken > 0) out.notes.push_back(fmt::format("{} values are not finite and taken as 0", broken));
 }
 
-void copyAlbedo(const openvdb::Vec3SGrid& grid, Volume& out) {
-    out.albedo.assign(out.voxels.values().size(), glm::vec3(0));
+// A grid's vectors at the voxels above 0.
+std::vector<glm::vec3> sampled(const openvdb::Vec3SGrid& grid, const Volume& at_voxels) {
+    std::vector<glm::vec3> out(at_voxels.voxels.values().size(), glm::vec3(0));
     const openvdb::tools::GridSampler<openvdb::Vec3SGrid::ConstAccessor, openvdb::tools::BoxSampler> sampler(
         grid.getConstAccessor(), grid.transform());
-    for (size_t i = 0; i < out.albedo.size(); ++i) {
-        if (!(out.voxels.values()[i] > 0)) continue;
-        const glm::ivec3 voxel = volumes::voxelOf(out.voxels.blocks()[i / kInBlock], i % kInBlock);
-        const glm::dvec3 at = out.origin + out.turn * glm::dvec3(voxel);
+    for (size_t i = 0; i < out.size(); ++i) {
+        if (!(at_voxels.voxels.values()[i] > 0)) continue;
+        const glm::ivec3 voxel = volumes::voxelOf(at_voxels.voxels.blocks()[i / kInBlock], i % kInBlock);
+        const glm::dvec3 at = at_voxels.origin + at_voxels.turn * glm::dvec3(voxel);
         const openvdb::Vec3s value = sampler.wsSample(openvdb::Vec3d(at.x, at.y, at.z));
-        out.albedo[i] = glm::clamp(glm::vec3(value.x(), value.y(), value.z()), 0.0f, 1.0f);
+        for (int axis = 0; axis < 3; ++axis) out[i][axis] = std::isfinite(value[axis]) ? value[axis] : 0;
     }
+    return out;
 }
 
-// The name of the albedo's grid; empty: there is none.
-std::string albedoName(const std::filesystem::path& file, const Names& names, const std::string& wanted) {
+// The name of a grid of vectors that is wanted; empty: there is none.
+std::string nameOf(const std::filesystem::path& file, const Names& names, const std::string& wanted,
+                   std::span<const char* const> usual, const char* option) {
     const auto there = [&](const std::string& name) {
         return std::ranges::find(names.grids, name) != names.grids.end();
     };
     if (wanted == "none") return {};
     if (wanted.empty()) {
-        for (const char* const name : kAlbedoNames)
+        for (const char* const name : usual)
             if (there(name)) return name;
         return {};
     }
     if (!there(wanted))
-        refuse(file, fmt::format("no grid {} for --albedo; there are: {}", wanted, fmt::join(names.shown, ", ")));
+        refuse(file, fmt::format("no grid {} for {}; there are: {}", wanted, option, fmt::join(names.shown, ", ")));
     return wanted;
 }
 
@@ -191,22 +195,27 @@ Volume readVolume(const std::filesystem::path& path, const VolumeWanted& wanted)
         out.notes.push_back("the background's value is taken as 0");
     copy(*grid, out);
     if (out.voxels.active() == 0) refuse(path, fmt::format("grid {} has no voxel above 0", wanted.grid));
-    const std::string albedo = albedoName(path, names, wanted.albedo);
-    if (!albedo.empty()) {
-        const auto colours = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid(albedo));
-        if (colours)
-            copyAlbedo(*colours, out);
-        else
-            out.notes.push_back(fmt::format("grid {} is no vec3s and ignored", albedo));
-    }
+    const auto vectors = [&](const std::string& name) -> std::vector<glm::vec3> {
+        if (name.empty()) return {};
+        if (const auto found = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid(name)))
+            return sampled(*found, out);
+        out.notes.push_back(fmt::format("grid {} is no vec3s and ignored", name));
+        return {};
+    };
+    const std::string albedo = nameOf(path, names, wanted.albedo, kAlbedoNames, "--albedo");
+    const std::string velocity = nameOf(path, names, wanted.velocity, kVelocityNames, "--velocity");
+    out.albedo = vectors(albedo);
+    for (glm::vec3& colour : out.albedo) colour = glm::clamp(colour, 0.0f, 1.0f);
+    out.velocity = vectors(velocity);
     for (const std::string& name : names.grids)
-        if (name != wanted.grid && name != albedo) out.notes.push_back(fmt::format("grid {} is ignored", name));
+        if (name != wanted.grid && name != albedo && name != velocity)
+            out.notes.push_back(fmt::format("grid {} is ignored", name));
     return out;
 } catch (const openvdb::Exception& e) {
     refuse(path, fmt::format("cannot be read as VDB: {}", e.what()));
 }
 
-void writeVolume(const std::filesystem::path& path, const Volume& volume, bool with_velocity) try {
+void writeVolume(const std::filesystem::path& path, const Volume& volume) try {
     openvdb::initialize();
     const glm::dmat3& t = volume.turn;
     const glm::dvec3& o = volume.origin;
@@ -229,11 +238,12 @@ void writeVolume(const std::filesystem::path& path, const Volume& volume, bool w
         const openvdb::Coord at = coordOf(volumes::voxelOf(volume.voxels.blocks()[i / kInBlock], i % kInBlock));
         densities.setValue(at, value);
         if (!volume.albedo.empty()) albedos.setValue(at, {volume.albedo[i].x, volume.albedo[i].y, volume.albedo[i].z});
-        if (with_velocity) velocities.setValue(at, {0, 1, 0});
+        if (!volume.velocity.empty())
+            velocities.setValue(at, {volume.velocity[i].x, volume.velocity[i].y, volume.velocity[i].z});
     }
     openvdb::GridPtrVec grids{density};
     if (!volume.albedo.empty()) grids.push_back(albedo);
-    if (with_velocity) grids.push_back(velocity);
+    if (!volume.velocity.empty()) grids.push_back(velocity);
     openvdb::io::File file(path.string());
     file.write(grids);
     file.close();
