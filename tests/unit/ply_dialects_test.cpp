@@ -1,44 +1,16 @@
 // Point clouds as many programs write them: each is read for what it means, and says what was guessed or left out.
 #include <cmath>
 
-#include <gtest/gtest.h>
-
-#include "common/ply/ply.h"
-#include "common/scene.h"
-#include "tests/unit/ply_file.h"
+#include "tests/unit/ply_reading.h"
 
 namespace brume::ply_dialects_test {
 namespace {
 
-using test::asciiPly, test::fourWith, test::kFour, test::kXyz, test::raw, test::swapped;
+using test::asciiPly, test::expectFour, test::fourWith, test::kFour, test::kXyz, test::raw, test::replaced,
+    test::swapped, test::tells;
 
-PointCloud read(const std::string& bytes, PlyWanted wanted = {}) { return parsePly(bytes, "a.ply", {}, wanted); }
-
-std::string refusal(const std::string& bytes) {
-    try {
-        read(bytes);
-    } catch (const SceneError& error) {
-        return error.what();
-    }
-    return "no error";
-}
-
-// The four points of kFour and nothing else.
-void expectFour(const PointCloud& cloud) {
-    EXPECT_EQ(cloud.position, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}));
-    EXPECT_EQ(cloud.dropped, 0u);
-}
-
-bool tells(const PointCloud& cloud, const std::string& what) {
-    for (const std::string& note : cloud.notes)
-        if (note.find(what) != note.npos) return true;
-    return false;
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    for (size_t at = 0; (at = text.find(from, at)) != text.npos; at += to.size()) text.replace(at, from.size(), to);
-    return text;
-}
+PointCloud read(const std::string& bytes, PlyWanted wanted = {}) { return test::readPly(bytes, wanted); }
+std::string refusal(const std::string& bytes) { return test::plyRefusal(bytes); }
 
 TEST(PlyDialects, LinesEndInAnyWay) {
     const std::string plain = asciiPly("", kFour);
