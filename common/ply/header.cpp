@@ -75,7 +75,9 @@ void readProperty(Reader& in, const std::vector<std::string_view>& word, Header&
                             shortened(word.back(), kLongestUnknown)));
     if (length && isFloat(*length)) in.fail("a list's length is of a whole-number type");
     std::vector<Property>& properties = header.elements.back().properties;
-    if (properties.size() >= kMostProperties) in.fail(fmt::format("more than {} properties", kMostProperties));
+    if (properties.size() >= kMostProperties)
+        in.fail(fmt::format("element {} has more than {} properties",
+                            shortened(header.elements.back().name, kLongestUnknown), kMostProperties));
     properties.push_back({std::string(word.back()), *type, length});
 }
 

@@ -203,10 +203,8 @@ void checkCount(Reader& in, const Element& element, Limits allowed, const char* 
 
 // The element of the points. There is one.
 const Element& vertexOf(Reader& in, const ply::Header& header) {
-    const auto is = [](const Element& element) { return element.name == "vertex"; };
-    const auto found = std::ranges::find_if(header.elements, is);
-    if (found == header.elements.end()) in.fail("no element vertex; expected one with x, y, z");
-    if (std::any_of(found + 1, header.elements.end(), is)) in.fail("element vertex is there twice");
+    const Element* const found = in.find(header, "vertex");
+    if (!found) in.fail("no element vertex; expected one with x, y, z");
     return *found;
 }
 
@@ -308,7 +306,7 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
     const Element& vertex = vertexOf(in, header);
     if (!wanted.may_be_empty || vertex.count > 0)
         checkCount(in, vertex, {limits::kCount.lo, double(std::min(wanted.most, kMostPlyPoints))}, "points");
-    const Element* const tetrahedron = wanted.tetrahedra ? header.find("tetrahedron") : nullptr;
+    const Element* const tetrahedron = wanted.tetrahedra ? in.find(header, "tetrahedron") : nullptr;
     if (tetrahedron)
         checkCount(in, *tetrahedron, limits::kTetrahedra, "rows");
     else if (wanted.tetrahedra)

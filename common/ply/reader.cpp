@@ -28,6 +28,13 @@ std::string propertiesOf(const Element& element) {
     return shortened(names, kLongestList);
 }
 
+// True: a line of the header that programs ignore.
+bool isComment(std::string_view line) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+    return word == "comment" || word == "obj_info";
+}
+
 bool isNumber(std::string_view text, double& number) {
     const char* const last = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + text.starts_with('+'), last, number);
@@ -51,6 +58,8 @@ std::string shortened(std::string_view text, size_t most) {
 std::string rowsText(uint64_t count) { return fmt::format("{} row{}", count, count == 1 ? "" : "s"); }
 
 Reader::Reader(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+    if (text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff"))
+        fail("text of two bytes a character (UTF-16); save it as ASCII or UTF-8");
     if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
     const size_t end = text_.find_first_of("\r\n");
     if (end != text_.npos && text_.substr(end, 2) != "\r\n") line_end_ = text_[end];
@@ -64,6 +73,13 @@ size_t Reader::find(const Element& element, std::string_view name) const {
     const size_t found = element.find(name);
     for (size_t p = found + 1; p < element.properties.size(); ++p)
         if (element.properties[p].name == name) fail(fmt::format("{} property {} is there twice", element.name, name));
+    return found;
+}
+
+const Element* Reader::find(const Header& header, std::string_view name) const {
+    const Element* const found = header.find(name);
+    if (found && std::ranges::count(header.elements, name, &Element::name) > 1)
+        fail(fmt::format("element {} is there twice", name));
     return found;
 }
 
@@ -108,7 +124,7 @@ std::string_view Reader::headerLine() {
     if (end > kMostHeaderBytes) fail("the header is longer than 1 MiB; is end_header missing?");
     at_ = end + 1;
     if (line_end_ == '\n' && line.ends_with('\r')) line.remove_suffix(1);
-    if (line.size() > kLongestLine && !line.starts_with("comment") && !line.starts_with("obj_info"))
+    if (line.size() > kLongestLine && !isComment(line))
         fail("a header line is longer than 1024 bytes; expected a PLY file, whose comments alone may be so long");
     return line;
 }

@@ -52,7 +52,8 @@ std::string rowsText(uint64_t count);
 
 class Reader {
 public:
-    // `file`: its name in messages. `text` must outlive the reader. A byte order mark of UTF-8 is passed over.
+    // `file`: its name in messages. `text` must outlive the reader. A byte order mark of UTF-8 is passed over,
+    // that of UTF-16 fails.
     Reader(std::string_view text, std::string file);
 
     // "file: PLY: what"; within the header "file:line: PLY: what".
@@ -60,6 +61,8 @@ public:
 
     // The number of the element's property of that name; none: the count of its properties. Fails if there are two.
     size_t find(const Element& element, std::string_view name) const;
+    // The element of that name; null: there is none. Fails if there are two.
+    const Element* find(const Header& header, std::string_view name) const;
 
     std::string_view headerLine();
     size_t lineNumber() const { return line_; } // of the last header line, from 1

@@ -146,7 +146,7 @@ Points readSplats(Reader& in, const Element& vertex, bool axes) {
     Points out;
     std::array<size_t, kNumbers> at{};
     for (size_t n = 0; n < kNumbers; ++n) {
-        at[n] = vertex.find(kNames[n]);
+        at[n] = in.find(vertex, kNames[n]);
         if (at[n] == vertex.properties.size() && n > kLog0 && n < kRot0) at[n] = at[n - 1]; // discs, and balls
         if (at[n] == vertex.properties.size() && n < kRot0)
             in.fail(fmt::format("element vertex has properties of Gaussian splatting, but no {}", kNames[n]));
@@ -181,6 +181,7 @@ bool holdsPackedSplats(const Header& header) {
 Points readPackedSplats(Reader& in, const Header& header, bool axes) {
     Points out;
     std::vector<Chunk> chunks;
+    in.find(header, "chunk"); // there is one
     for (const Element& element : header.elements) {
         if (element.name == "chunk") {
             chunks = readChunks(in, element);
@@ -188,14 +189,14 @@ Points readPackedSplats(Reader& in, const Header& header, bool axes) {
             std::array<size_t, 3> at{};
             constexpr std::array<std::string_view, 3> kPacked{"packed_position", "packed_scale", "packed_color"};
             for (size_t i = 0; i < at.size(); ++i)
-                if ((at[i] = element.find(kPacked[i])) == element.properties.size())
+                if ((at[i] = in.find(element, kPacked[i])) == element.properties.size())
                     in.fail(
                         fmt::format("packed Gaussian splats (element chunk, packed_position) without {}", kPacked[i]));
             if (chunks.size() < (element.count + kOfChunk - 1) / kOfChunk)
                 in.fail(fmt::format("packed Gaussian splats: {} of element chunk before {} of element vertex; expected "
                                     "one for each {}",
                                     rowsText(chunks.size()), rowsText(element.count), kOfChunk));
-            const size_t rotation = element.find("packed_rotation");
+            const size_t rotation = in.find(element, "packed_rotation");
             std::vector<double> values;
             for (uint64_t row = 0; row < element.count; ++row) {
                 readRow(in, element, row, values);
