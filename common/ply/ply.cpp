@@ -76,12 +76,12 @@ public:
     // Empty if the point can be used; otherwise which of its numbers is out of range.
     std::string problemOf(const Point& point) const {
         for (const Rule& rule : kRules) {
-            const double x = point[rule.slot];
+            const double x = point[rule.slot], whole = points_.whole[rule.slot];
             if (!points_.has(rule.slot) || (rule.allowed.holds(x) && (rule.slot != ply::kId || x == std::floor(x))))
                 continue;
-            if (rule.slot > ply::kZ)
-                return fmt::format("{} is {}; allowed: {} to {}{}", rule.name, x, rule.allowed.lo, rule.allowed.hi,
-                                   rule.slot == ply::kId ? ", whole numbers" : "");
+            if (rule.slot > ply::kZ) // as the file has it
+                return fmt::format("{} is {:.12g}; allowed: {} to {}{}", rule.name, x * whole, rule.allowed.lo * whole,
+                                   rule.allowed.hi * whole, rule.slot == ply::kId ? ", whole numbers" : "");
             return fmt::format(
                 "{} is {}; allowed: finite, within 50 km of the scene's origin; origin = \"auto\" at its "
                 "top is near the points",
@@ -209,10 +209,10 @@ const Element& vertexOf(Reader& in, const ply::Header& header) {
 }
 
 // Notes of elements that are not read.
-void tellOfOthers(const ply::Header& header, bool tetrahedra, std::vector<std::string>& notes) {
+void tellOfOthers(const ply::Header& header, bool tetrahedra, bool packed, std::vector<std::string>& notes) {
     for (const Element& element : header.elements) {
-        const bool cells = element.name == "tetrahedron";
-        if (element.name == "vertex" || element.count == 0 || (cells && tetrahedra)) continue;
+        const bool cells = element.name == "tetrahedron", chunks = element.name == "chunk";
+        if (element.name == "vertex" || element.count == 0 || (cells && tetrahedra) || (chunks && packed)) continue;
         notes.push_back(fmt::format("element {}, {}, is ignored{}", ply::shortened(element.name, kLongestElement),
                                     ply::rowsText(element.count),
                                     cells ? "; medium.model = \"tetrahedra\" reads it" : ""));
@@ -315,10 +315,11 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
         in.fail("element vertex lacks sigma_t; expected the extinction at each corner of the tetrahedra, 1/m");
     PointCloud cloud;
     cloud.notes = header.unknown;
-    if (ply::holdsPackedSplats(header)) {
+    const bool packed = ply::holdsPackedSplats(header);
+    tellOfOthers(header, tetrahedron != nullptr, packed, cloud.notes);
+    if (packed) {
         addPoints(in, ply::readPackedSplats(in, header, wanted.axes), frame, wanted, cloud);
     } else {
-        tellOfOthers(header, tetrahedron != nullptr, cloud.notes);
         Cells cells;
         bool pending = true; // True: points are still to come
         for (const Element& element : header.elements) {

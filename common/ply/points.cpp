@@ -37,12 +37,6 @@ constexpr Source kSources[]{{kX, {"x"}},
                             {Slot(kAxisAX + 7), {"axis_c_y"}},
                             {kAxisCZ, {"axis_c_z"}}};
 
-// Numbers that may stand for parts of 1 in some other range.
-struct Parts {
-    std::string_view name;
-    std::vector<Slot> slots;
-};
-
 using Places = std::array<size_t, kSlots>; // of each slot's property; the element's count: none
 
 class Finder {
@@ -99,23 +93,40 @@ double wholeOf(Type type, double most) {
     return most <= 255 ? 255 : most <= 65535 ? 65535 : type == Type::i32 ? 2147483647.0 : 4294967295.0;
 }
 
-// Brings numbers to parts of 1. What is told: a range that does not go without saying.
-void toParts(const Parts& parts, const Element& vertex, const Places& places, Points& points) {
-    if (!points.has(parts.slots[0])) return;
-    const Type type = vertex.properties[places[parts.slots[0]]].type;
+// Brings numbers of one type to parts of 1. What is told: a range that does not go without saying.
+void toParts(const char* name, Type type, const std::vector<Slot>& slots, Points& points) {
+    // Bytes and words of a program that gives them a sign.
+    const double turn = type == Type::i8 ? 256 : type == Type::i16 ? 65536 : 0;
     double most = 0;
-    for (const Slot slot : parts.slots)
+    for (const Slot slot : slots)
         for (double& x : points.columns[slot]) {
-            if (type == Type::i8 && x < 0) x += 256; // bytes of a program whose char has a sign
+            if (x < 0) x += turn;
             if (std::isfinite(x)) most = std::max(most, x);
         }
     const double whole = wholeOf(type, most);
-    for (const Slot slot : parts.slots)
+    for (const Slot slot : slots) {
+        points.whole[slot] = whole;
         for (double& x : points.columns[slot]) x = whole == 1 && x < 2 ? std::min(x, 1.0) : x / whole;
+    }
     if (whole == 1 && most > 1)
-        points.notes.push_back(fmt::format("{} reach {}: what is above 1 counts as 1", parts.name, most));
+        points.notes.push_back(fmt::format("{} reach {}: what is above 1 counts as 1", name, most));
     else if (type != Type::u8 && whole > 1)
-        points.notes.push_back(fmt::format("{} reach {}: {:.0f} stands for 1", parts.name, most, whole));
+        points.notes.push_back(fmt::format("{} reach {}: {:.0f} stands for 1", name, most, whole));
+}
+
+// The same for channels that may differ in type.
+void toParts(const char* name, std::vector<Slot> slots, const Element& vertex, const Places& places, Points& points) {
+    std::erase_if(slots, [&](Slot slot) { return !points.has(slot); });
+    while (!slots.empty()) {
+        const auto typeOf = [&](Slot slot) { return vertex.properties[places[slot]].type; };
+        const Type type = typeOf(slots[0]);
+        std::vector<Slot> alike;
+        std::erase_if(slots, [&](Slot slot) {
+            if (typeOf(slot) == type) alike.push_back(slot);
+            return typeOf(slot) == type;
+        });
+        toParts(name, type, alike, points);
+    }
 }
 
 } // namespace
@@ -140,8 +151,8 @@ Points readPoints(Reader& in, const Element& vertex, PointsWanted wanted) {
         in.endRow();
         out.rows.push_back(uint32_t(in.rowNumber()));
     }
-    toParts({"colours", {kRed, kGreen, kBlue}}, vertex, places, out);
-    toParts({"opacities", {kOpacity}}, vertex, places, out);
+    toParts("colours", {kRed, kGreen, kBlue}, vertex, places, out);
+    toParts("opacities", {kOpacity}, vertex, places, out);
     return out;
 }
 

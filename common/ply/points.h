@@ -36,10 +36,12 @@ enum Slot : size_t {
 // In the file's own unit and axes. Opacities and colours are parts of 1, if the file is as it should be.
 struct Points {
     std::array<std::vector<double>, kSlots> columns; // each empty, or as long as the others
+    std::array<double, kSlots> whole;                // what the file has for 1, of colours and opacities
     std::vector<uint32_t> rows;                      // Reader::rowNumber() of each
     std::vector<std::string> ignored;                // names of properties that are not read
     std::vector<std::string> notes;                  // one line each: what was guessed
 
+    Points() { whole.fill(1); }
     bool has(Slot slot) const { return !columns[slot].empty(); }
     size_t count() const { return columns[kX].size(); }
 };

@@ -38,8 +38,11 @@ bool isComment(std::string_view line) {
 bool isNumber(std::string_view text, double& number) {
     const char* const last = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + text.starts_with('+'), last, number);
-    // What is too large or too small for a double is dropped with its point.
-    if (error == std::errc::result_out_of_range) number = std::numeric_limits<double>::infinity();
+    // What is too large for a double is dropped with its point, what is too small is nothing.
+    if (error == std::errc::result_out_of_range) {
+        const size_t exponent = std::min(text.find_first_of("eE"), text.size() - 1);
+        number = text.substr(exponent + 1).starts_with('-') ? 0 : std::numeric_limits<double>::infinity();
+    }
     if (stop == last && (error == std::errc() || error == std::errc::result_out_of_range)) return true;
     // Programs of one compiler write "-1.#IND", "1.#QNAN" and "1.#INF".
     const size_t mark = text.find("1.#");

@@ -197,6 +197,9 @@ Points readPackedSplats(Reader& in, const Header& header, bool axes) {
                                     "one for each {}",
                                     rowsText(chunks.size()), rowsText(element.count), kOfChunk));
             const size_t rotation = in.find(element, "packed_rotation");
+            for (size_t p = 0; p < element.properties.size(); ++p)
+                if (p != rotation && std::ranges::find(at, p) == at.end())
+                    out.ignored.push_back(element.properties[p].name);
             std::vector<double> values;
             for (uint64_t row = 0; row < element.count; ++row) {
                 readRow(in, element, row, values);
