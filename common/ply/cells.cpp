@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/scene_limits.h"
+
 namespace brume::ply {
 namespace {
 
@@ -28,9 +30,13 @@ size_t cornersOf(Reader& in, const Element& tetrahedron) {
 
 } // namespace
 
-Cells readCells(Reader& in, const Element& tetrahedron, uint64_t points) {
+Cells readCells(Reader& in, const Element& tetrahedron, CellsWanted wanted) {
     Cells out;
-    const size_t corners = cornersOf(in, tetrahedron), own = firstOf(in, tetrahedron, {"s", "sigma_t"});
+    const size_t none = tetrahedron.properties.size(), corners = cornersOf(in, tetrahedron);
+    const size_t own = wanted.extinction ? firstOf(in, tetrahedron, {"s", "sigma_t"}) : none;
+    for (size_t p = 0; p < none; ++p)
+        if (p != corners && p != own) out.ignored.push_back(tetrahedron.properties[p].name);
+    if (own < none) out.extinction_name = tetrahedron.properties[own].name;
     for (uint64_t row = 0; row < tetrahedron.count; ++row) {
         in.beginRow(tetrahedron, row);
         for (size_t p = 0; p < tetrahedron.properties.size(); ++p) {
@@ -39,7 +45,12 @@ Cells readCells(Reader& in, const Element& tetrahedron, uint64_t points) {
             if (p != corners) {
                 double value = 0;
                 for (uint64_t n = length; n > 0; --n) value = in.value(property);
-                if (p == own) out.extinction.push_back(value);
+                if (p != own) continue;
+                out.extinction.push_back(value / wanted.unit);
+                if (!limits::kSigmaT.holds(out.extinction.back()))
+                    in.fail(fmt::format("element tetrahedron, {}: {} is {}; allowed: {} to {}", in.rowName(),
+                                        out.extinction_name, out.extinction.back(), limits::kSigmaT.lo,
+                                        limits::kSigmaT.hi));
                 continue;
             }
             if (length != 4)
@@ -48,9 +59,9 @@ Cells readCells(Reader& in, const Element& tetrahedron, uint64_t points) {
             glm::uvec4& cell = out.corners.emplace_back();
             for (int m = 0; m < 4; ++m) {
                 const double index = in.value(property);
-                if (!(index >= 0 && index < double(points)) || index != std::floor(index))
+                if (!(index >= 0 && index < double(wanted.points)) || index != std::floor(index))
                     in.fail(fmt::format("element tetrahedron, {}: there is no vertex {}; expected 0 to {}",
-                                        in.rowName(), index, points - 1));
+                                        in.rowName(), index, wanted.points - 1));
                 cell[m] = uint32_t(index);
             }
         }

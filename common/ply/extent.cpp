@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kInside = 0.98;     // of the points
 constexpr double kFar = 20;          // radii
-constexpr size_t kFewest = 50;       // points, of which some can be told to be far from the others
+constexpr size_t kFewest = 8;        // points, of which one can be told to be far from the others
 constexpr double kFarFromOne = 2000; // m, which are told as km
 
 bool isFinite(glm::dvec3 place) { return std::isfinite(place.x + place.y + place.z); }
@@ -44,8 +44,8 @@ PlyExtent extentOf(const Points& points, const std::string& up) {
         for (size_t i = 0; i < points.count(); ++i)
             if (const glm::dvec3 place = placeOf(points, i, up); isFinite(place)) numbers.push_back(number(place));
     };
-    const auto at = [&](double part) { // of all numbers so many are below it
-        const auto nth = numbers.begin() + std::ptrdiff_t(part * double(numbers.size() - 1));
+    const auto at = [&](size_t index) { // of the sorted numbers
+        const auto nth = numbers.begin() + std::ptrdiff_t(index);
         std::nth_element(numbers.begin(), nth, numbers.end());
         return *nth;
     };
@@ -53,10 +53,12 @@ PlyExtent extentOf(const Points& points, const std::string& up) {
         take([axis](glm::dvec3 place) { return place[axis]; });
         out.count = numbers.size();
         if (numbers.empty()) return out;
-        out.middle[axis] = at(0.5);
+        out.middle[axis] = at((numbers.size() - 1) / 2);
     }
     take([&](glm::dvec3 place) { return distanceOf(place, out.middle); });
-    out.radius = at(numbers.size() < kFewest ? 1 : kInside);
+    const size_t last = numbers.size() - 1;
+    out.radius = at(numbers.size() < kFewest ? last : std::min(size_t(kInside * double(last)), last - 1));
+    if (!(out.radius > 0)) out.radius = at(last); // nearly all are at one place
     if (!(out.radius > 0)) return out;
     for (const double distance : numbers)
         if (distance > kFar * out.radius) ++out.far, out.farthest = std::max(out.farthest, distance);

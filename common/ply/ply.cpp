@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/ellipsoid.h"
 #include "common/plain_file.h"
@@ -23,8 +24,8 @@ namespace {
 
 using ply::Cells, ply::Element, ply::Points, ply::Reader, ply::Slot;
 
-constexpr Limits kVelocity{-1e4, 1e4}; // m/s
-constexpr size_t kLongestElement = 40; // bytes of a name, in notes
+constexpr Limits kVelocity{-1e4, 1e4};                      // m/s
+constexpr size_t kLongestElement = 40, kLongestNames = 200; // bytes of a name and of many, in notes
 
 // What a slot's number may be, once it is in the scene's unit.
 struct Rule {
@@ -142,10 +143,11 @@ void addPoints(Reader& in, Points&& points, const PlyFrame& frame, PlyWanted wan
         if (points.has(ply::kVX)) out.velocity.emplace_back(point[ply::kVX], point[ply::kVY], point[ply::kVZ]);
         if (points.has(ply::kRed)) out.albedo.emplace_back(point[ply::kRed], point[ply::kGreen], point[ply::kBlue]);
     }
+    const char* const them = extent.far == 1 ? "it" : "them";
     if (extent.far > 0)
         out.notes.push_back(ply::farText(extent, frame.unit) +
-                            (wanted.drop_far ? " and left out; far_points = \"keep\" keeps them"
-                                             : "; medium.far_points = \"drop\" leaves them out"));
+                            (wanted.drop_far ? fmt::format(" and left out; far_points = \"keep\" keeps {}", them)
+                                             : fmt::format("; medium.far_points = \"drop\" leaves {} out", them)));
 }
 
 // Each point gets the extinction of the tetrahedra that have it, on average over their volumes.
@@ -160,7 +162,9 @@ void spreadExtinction(const Cells& cells, PointCloud& cloud) {
     }
     for (size_t i = 0; i < sum.size(); ++i)
         cloud.sigma_t.push_back(limits::kSigmaT.clamp(volumes[i] > 0 ? float(sum[i] / volumes[i]) : 0));
-    cloud.notes.push_back("each corner has the mean extinction of its tetrahedra, whose own is s");
+    cloud.of_cells = true;
+    cloud.notes.push_back("each corner has the mean extinction of its tetrahedra, whose own is " +
+                          cells.extinction_name);
 }
 
 // Leaves out the elements of points that no tetrahedron has.
@@ -289,8 +293,9 @@ glm::dvec3 originFor(const PlyExtent& extent, double unit) {
     if (glm::all(glm::lessThan(glm::abs(middle), glm::dvec3(near)))) return glm::dvec3(0);
     for (int axis = 0; axis < 3; ++axis)
         if (!limits::kOrigin.holds(middle[axis]))
-            throw SceneError(fmt::format("the points are {:.4g} m from zero; allowed: within 10,000 km (medium.unit)",
-                                         middle[axis]));
+            throw SceneError(fmt::format("the points are {:.4g} m from zero; allowed: within 10,000 km; if their unit "
+                                         "is not the metre, say so: medium.unit = \"mm\", or unit=mm with an upload",
+                                         std::abs(middle[axis])));
     return glm::round(middle);
 }
 
@@ -326,15 +331,17 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
             if (&element == &vertex)
                 addPoints(in, pointsOf(in, element, wanted), frame, wanted, cloud), pending = false;
             else if (&element == tetrahedron)
-                cells = readCells(in, element, vertex.count);
+                cells = readCells(in, element,
+                                  {.points = vertex.count, .unit = frame.unit, .extinction = !vertex.has("sigma_t")});
             else
                 in.skip(element);
             if (!pending && (!tetrahedron || !cells.corners.empty())) break;
         }
-        if (tetrahedron && cloud.sigma_t.empty() && !cells.extinction.empty()) {
-            for (double& extinction : cells.extinction) extinction /= frame.unit;
-            spreadExtinction(cells, cloud);
-        }
+        if (!cells.extinction.empty()) spreadExtinction(cells, cloud);
+        if (!cells.ignored.empty())
+            cloud.notes.push_back(
+                fmt::format("properties of element tetrahedron are ignored: {}",
+                            ply::shortened(fmt::format("{}", fmt::join(cells.ignored, ", ")), kLongestNames)));
         cloud.tetrahedra = std::move(cells.corners);
     }
     if (cloud.position.empty() && vertex.count > 0) in.fail("no point is usable; the first, " + cloud.first_dropped);

@@ -23,6 +23,7 @@ struct PointCloud {
     std::vector<float> radius;       // m, of a ball that spreads as far as the particle
     std::vector<float> deviation;    // m, the particle's standard deviation
     std::vector<float> sigma_t;      // 1/m, extinction at a particle's centre
+    bool of_cells = false;           // True: sigma_t is the mean of what the file's tetrahedra have
     std::vector<float> opacity;      // 0 ... 1, part of the light that a particle stops on a ray through its centre
     std::vector<glm::vec3> albedo;   // linear, in [0, 1]
     std::vector<glm::vec3> velocity; // m/s; empty unless loadPly() is asked for it
@@ -85,9 +86,9 @@ PointCloud parsePly(std::string_view bytes, const std::string& name, const PlyFr
 // Where a file's points are, turned as in PlyFrame, in the file's unit.
 struct PlyExtent {
     glm::dvec3 middle{0}; // median along each axis
-    double radius = 0;    // along the axes; 98 % of the points are within it
+    double radius = 0;    // along the axes; 98 % of the points are within it, or of 8 and more all but one
     size_t count = 0;     // of points at finite places
-    size_t far = 0;       // points more than 20 radii away, if they are at most 2 % of 50 or more
+    size_t far = 0;       // points more than 20 radii away, if they are at most 2 %, or one of 8 or more
     double farthest = 0;  // how far the farthest of these is from the middle
 };
 PlyExtent extentOf(std::string_view bytes, const std::string& name, const std::string& up);

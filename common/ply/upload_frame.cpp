@@ -1,6 +1,11 @@
 #include "common/ply/upload_frame.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+
+#include "common/scene.h"
+#include "common/scene_limits.h"
 
 namespace brume {
 namespace {
@@ -16,13 +21,21 @@ double unitFor(double side) {
         while (side * unit < kSmall) unit *= 10;
     if (side > kLargest)
         while (side * unit > 10 * kLarge) unit /= 10;
-    return unit;
+    return std::clamp(unit, limits::kUnit.lo, limits::kUnit.hi);
+}
+
+// True: whatever unit is chosen, such a cloud cannot be looked at.
+bool isBeyondUnits(double side) {
+    return side > 0 && (side * limits::kUnit.hi < kSmallest || side * limits::kUnit.lo > kLargest);
 }
 
 } // namespace
 
 UploadFrame::UploadFrame(const PlyExtent& extent, const UploadOptions& options) {
     const double side = 2 * extent.radius;
+    if (!options.unit && isBeyondUnits(side))
+        throw SceneError(fmt::format("the points lie within {:.2g} m; allowed: {:.2g} to {:.2g} m, so scale the file",
+                                     side, kSmallest / limits::kUnit.hi, kLargest / limits::kUnit.lo));
     unit = options.unit ? *options.unit : unitFor(side);
     origin = options.origin ? *options.origin : originFor(extent, unit);
     if (!options.unit && unit != 1)

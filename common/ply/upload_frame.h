@@ -22,7 +22,8 @@ struct UploadFrame {
     glm::dvec3 origin{0};           // m
     std::vector<std::string> notes; // what was chosen, one line each
 
-    // The frame for points that lie there. Throws SceneError where no origin is near enough to them.
+    // The frame for points that lie there. Throws SceneError where no origin is near enough to them, and
+    // where no unit shows them.
     UploadFrame(const PlyExtent& extent, const UploadOptions& options);
 };
 

@@ -135,7 +135,9 @@ std::string placeExtinctions(const PointCloud& cloud, const Medium& medium, Plac
         return "for an optical depth of 3, as none came; medium.extinction replaces it";
     }
     if (cloud.opacity.empty())
-        return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier" : "the file's sigma_t";
+        return cloud.sigma_t.empty() ? "medium.extinction, medium.multiplier"
+               : cloud.of_cells      ? "from the file's tetrahedra"
+                                     : "the file's sigma_t";
     // On a ray through the centre the optical depth is peak * deviation * sqrt(2 pi), and 1 - opacity is left. Of an
     // ellipsoid it is the ray along the shortest axis.
     for (size_t i = 0; i < cloud.opacity.size(); ++i) {

@@ -148,6 +148,9 @@ std::string unseenText(const Cloud& cloud) {
         vectorText(cloud.world(on_all.target)));
 }
 
+std::string tetrahedraText(size_t count) { return fmt::format("{} tetrahedr{}", count, count == 1 ? "on" : "a"); }
+std::string pointsText(size_t count) { return fmt::format("{} point{}", count, count == 1 ? "" : "s"); }
+
 const char* kind(const PointCloudFacts& facts) { return facts.sequence.empty() ? "point cloud" : "sequence"; }
 
 std::string ignoredText(const PointCloudFacts& facts) {
@@ -168,17 +171,17 @@ std::string pointCloudLine(const Scene& scene, const Simulation& simulation) {
     if (!cloud.facts.volume.empty())
         return oneLine(fmt::format("volume '{}': {}, in {}; optical depth about {:.2g}", scene.medium.file.string(),
                                    cloud.facts.volume, cloud.boxText(), depth));
-    const std::string before = scene.tetrahedra ? fmt::format("{} tetrahedra of ", scene.tetrahedra->corners.size())
+    const std::string before = scene.tetrahedra ? tetrahedraText(scene.tetrahedra->corners.size()) + " of "
                                : cloud.facts.sequence.empty() ? ""
                                                               : cloud.facts.sequence + "; the first file: ";
     const std::string sizes = scene.tetrahedra ? ""
                                                : fmt::format("scale {} m ({}); ", rangeOf(cloud, &gpu::Particle::scale),
                                                              cloud.facts.sizes_from);
-    return oneLine(fmt::format("{} '{}': {}{} points in {}; {}extinction {} 1/m ({}{}); {}; {}; "
+    return oneLine(fmt::format("{} '{}': {}{} in {}; {}extinction {} 1/m ({}{}); {}; {}; "
                                "optical depth about {:.2g}",
-                               kind(cloud.facts), scene.medium.file.string(), before, cloud.particles.size(),
-                               cloud.boxText(), sizes, rangeOf(cloud, &gpu::Particle::sigma_t),
-                               cloud.facts.extinctions_from,
+                               kind(cloud.facts), scene.medium.file.string(), before,
+                               pointsText(cloud.particles.size()), cloud.boxText(), sizes,
+                               rangeOf(cloud, &gpu::Particle::sigma_t), cloud.facts.extinctions_from,
                                cloud.facts.by_depth ? asKeys(cloud.particles.front().sigma_t) : "",
                                cloud.facts.coloured ? "with colours" : "no colours", ignoredText(cloud.facts), depth));
 }

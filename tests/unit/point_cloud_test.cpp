@@ -292,7 +292,7 @@ TEST(Tetrahedra, ParticlesAreTheFilesPointsInItsOrder) {
 TEST(Tetrahedra, OneLineSaysWhatCame) {
     // A third of the cube's 8 m^3, times a mean extinction of 1.5 1/m, over a face of 4 m^2.
     const std::string lines = told(tetrahedraScene());
-    expectIn(lines, "tetrahedra_test.ply': 1 tetrahedra of 4 points in [0, 0, 0] to [2, 2, 2] m; extinction 0 to 4.5 "
+    expectIn(lines, "tetrahedra_test.ply': 1 tetrahedron of 4 points in [0, 0, 0] to [2, 2, 2] m; extinction 0 to 4.5 "
                     "1/m (the file's sigma_t); with colours; ignored properties: scale; optical depth about 1\n");
     expectIn(told(tetrahedraScene("centre = [0, 0, 40]\n[camera]\nposition = [0, 0, 26]\ntarget = [0, 0, 0]\n")),
              "sees none of the 4 points");
@@ -314,7 +314,7 @@ TEST(Tetrahedra, APointThatNoneHasIsLeftOutAndTold) {
     placeCamera(scene);
     EXPECT_EQ(scene.camera.target, glm::vec3(1));
     const std::string lines = told(folder / "unused_test.toml");
-    expectIn(lines, "1 tetrahedra of 4 points in [0, 0, 0] to [2, 2, 2] m; ");
+    expectIn(lines, "1 tetrahedron of 4 points in [0, 0, 0] to [2, 2, 2] m; ");
     expectIn(lines, "dropped 1 of 5 points; the first, vertex 1: no tetrahedron has it\n");
 }
 
