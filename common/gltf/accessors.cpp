@@ -124,7 +124,7 @@ double Accessor::Column::number(size_t i, size_t part) const {
     }
 }
 
-double Accessor::number(size_t i, size_t part) const {
+double Accessor::raw(size_t i, size_t part, bool normalized) const {
     const Column* column = &dense_;
     if (replaced_count_ > 0) {
         size_t begin = 0, end = replaced_count_; // the first index that is not below i
@@ -141,16 +141,13 @@ double Accessor::number(size_t i, size_t part) const {
         }
     }
     const double value = column->number(i, part);
-    return normalized_ ? std::max(value / oneOf(column->component), -1.0) : value;
+    return normalized ? std::max(value / oneOf(column->component), -1.0) : value;
 }
 
 bool Accessor::isWhole() const {
     return dense_.component == kUnsignedByte || dense_.component == kUnsignedShort || dense_.component == kUnsignedInt;
 }
 
-size_t Accessor::whole(size_t i, size_t part) const {
-    const double value = number(i, part);
-    return size_t(value);
-}
+size_t Accessor::whole(size_t i, size_t part) const { return size_t(raw(i, part, false)); }
 
 } // namespace brume::gltf

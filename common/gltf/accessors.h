@@ -21,9 +21,9 @@ public:
     size_t count() const { return count_; }
     size_t parts() const { return parts_; } // numbers of an element
     // Component `part` of element i < count(); between -1 and 1, or 0 and 1, where it is normalised.
-    double number(size_t i, size_t part) const;
+    double number(size_t i, size_t part) const { return raw(i, part, normalized_); }
     glm::dvec3 vec3(size_t i) const { return {number(i, 0), number(i, 1), number(i, 2)}; }
-    // An index. Throws Wrong unless components are unsigned whole numbers: ask isWhole().
+    // An index, whether it is normalised or not. Precondition: isWhole(), which is for unsigned whole numbers.
     size_t whole(size_t i, size_t part = 0) const;
     bool isWhole() const;
 
@@ -35,6 +35,7 @@ private:
         double number(size_t i, size_t part) const;
     };
 
+    double raw(size_t i, size_t part, bool normalized) const;
     Column columnOf(File& file, const Json& of, size_t count, size_t parts, int component) const;
 
     size_t index_, count_ = 0, parts_;

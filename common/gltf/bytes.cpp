@@ -46,12 +46,13 @@ constexpr std::array<int, 256> kSixBits = [] {
 }();
 
 Bytes fromBase64(std::string_view text) {
-    while (text.ends_with('=')) text.remove_suffix(1);
+    text = text.substr(0, text.find_last_not_of("= \t\n\r") + 1);
     Bytes out;
     out.reserve(text.size() * 3 / 4);
     uint32_t word = 0;
     int bits = 0;
     for (const char c : text) {
+        if (c == ' ' || c == '\t' || c == '\n' || c == '\r') continue; // lines that somebody broke
         const int six = kSixBits[static_cast<unsigned char>(c)];
         if (six < 0) fail("a data URI holds what is no base64");
         word = word << 6 | uint32_t(six);
@@ -69,7 +70,9 @@ Bytes ofDataUri(std::string_view uri) {
     if (comma == std::string_view::npos) fail("a data URI without a comma before its data");
     const std::string_view head = uri.substr(0, comma), data = uri.substr(comma + 1);
     const size_t last = head.rfind(';');
-    if (last != std::string_view::npos && equalsWithoutCase(head.substr(last + 1), "base64")) return fromBase64(data);
+    const bool escapes = data.find('%') != std::string_view::npos;
+    if (last != std::string_view::npos && equalsWithoutCase(head.substr(last + 1), "base64"))
+        return escapes ? fromBase64(unescaped(data)) : fromBase64(data);
     const std::string text = unescaped(data);
     return {text.begin(), text.end()};
 }

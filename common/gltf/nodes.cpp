@@ -1,6 +1,9 @@
 #include "common/gltf/nodes.h"
 
+#include <array>
+#include <bit>
 #include <map>
+#include <set>
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -62,6 +65,7 @@ public:
             for (const Json& child : listIn(node, "children"))
                 left.push_back({wholeOf(child, "a child of a node"), world_[index], visible});
         }
+        notePlain(meshes);
         for (const auto& [node, mesh] : meshes) use(placed(node, mesh));
         if (!world_.empty() || !listIn(file_.root(), "scenes").empty()) return;
         const Json no_node;
@@ -69,6 +73,26 @@ public:
     }
 
 private:
+    using Placed = std::pair<size_t, std::array<uint64_t, 16>>; // a mesh, and the bits of its matrix
+
+    Placed placedPlain(size_t node, size_t mesh) const {
+        Placed out{mesh, {}};
+        for (size_t part = 0; part < 16; ++part)
+            out.second[part] = std::bit_cast<uint64_t>(glm::value_ptr(world_[node])[part] + 0.0); // no -0
+        return out;
+    }
+
+    // Meshes as they are, without a skin, copies or morphs of their own.
+    void notePlain(const std::vector<std::pair<size_t, size_t>>& meshes) {
+        if (listIn(file_.root(), "skins").empty()) return;
+        for (const auto& [index, mesh] : meshes) {
+            const Json& node = file_.at("nodes", index);
+            if (member(node, "skin").is_null() && member(node, "weights").is_null() &&
+                extension(node, "EXT_mesh_gpu_instancing").is_null())
+                plain_.insert(placedPlain(index, mesh));
+        }
+    }
+
     std::vector<size_t> roots() const {
         std::vector<size_t> out;
         const Json& scenes = listIn(file_.root(), "scenes");
@@ -95,7 +119,8 @@ private:
         if (const std::optional<size_t> skin = wholeIn(node, "skin")) {
             const auto [found, fresh] = joints_.try_emplace(*skin);
             if (fresh) found->second = jointsOf(*skin);
-            return {node, mesh, {world_[index]}, found->second};
+            const bool plain = member(node, "weights").is_null() && plain_.contains(placedPlain(index, mesh_index));
+            return {node, mesh, {world_[index]}, found->second, plain};
         }
         const Json& copies = member(extension(node, "EXT_mesh_gpu_instancing"), "attributes");
         if (copies.is_null()) return {node, mesh, {world_[index]}, {}};
@@ -141,6 +166,7 @@ private:
             count = (*column)->count();
         }
         if (!count) return {world};
+        if (*count == 0) file_.told.add("nodes of no copies are left out", 1, "mesh");
         if (*count > left_) fail("EXT_mesh_gpu_instancing with more than {} copies in all", most_);
         left_ -= *count;
         std::vector<glm::dmat4> out;
@@ -158,6 +184,7 @@ private:
     std::vector<glm::dmat4> world_; // from each node that was visited
     std::vector<bool> visited_;
     std::map<size_t, std::vector<glm::dmat4>> joints_; // matrices of each skin's joints
+    std::set<Placed> plain_;
 };
 
 } // namespace

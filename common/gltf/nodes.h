@@ -17,6 +17,8 @@ struct MeshNode {
     std::vector<glm::dmat4> worlds; // world from the node; several with EXT_mesh_gpu_instancing
     // Of a node with a skin: for each joint, world from the mesh. Empty: no skin, or one that cannot be applied.
     std::span<const glm::dmat4> joints;
+    // Of a node with a skin. True: another one without has the same mesh at the same place.
+    bool stands_unskinned = false;
 };
 
 // Calls `use` for each node with a mesh in the file's scene, but for those that are hidden. Of a file without scenes

@@ -52,6 +52,7 @@ private:
         if (!positions) return leaveOut("what has no POSITION is left out");
         checkCompression(primitive, *positions);
         Vertices vertices(file_, primitive, at);
+        if (vertices.ignoresSkin() && at.stands_unskinned) return; // it would be there twice
         std::optional<Accessor> indices;
         if (const std::optional<size_t> index = wholeIn(primitive, "indices")) {
             indices.emplace(file_, *index, Shape::scalar);

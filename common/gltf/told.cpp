@@ -30,10 +30,12 @@ void Told::add(std::string text, size_t count, const char* unit) {
 
 std::vector<std::string> Told::lines() const {
     std::vector<std::string> out;
-    for (const Note& note : notes_)
+    for (const Note& note : notes_) {
+        const char* const many = note.unit.ends_with("sh") ? "es" : "s"; // meshes
         out.push_back(note.unit.empty()
                           ? note.text
-                          : fmt::format("{} ({} {}{})", note.text, note.count, note.unit, note.count == 1 ? "" : "s"));
+                          : fmt::format("{} ({} {}{})", note.text, note.count, note.unit, note.count == 1 ? "" : many));
+    }
     if (more_) out.emplace_back("more than these lines say is left out");
     return out;
 }

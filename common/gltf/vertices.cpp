@@ -54,7 +54,8 @@ void Vertices::readSkin(const MeshNode& at) {
         if (last.joints.count() < count() || last.weights.count() < count())
             fail("JOINTS{} or WEIGHTS{} have fewer elements than there are vertices", suffix, suffix);
     }
-    if (skinned && influences_.empty())
+    ignores_skin_ = skinned && influences_.empty();
+    if (ignores_skin_)
         file_.told.add("a skin that cannot be applied is ignored: the mesh is in its bind pose", 1, "primitive");
 }
 

@@ -17,6 +17,8 @@ public:
     Vertices(File& file, const Json& primitive, const MeshNode& at);
 
     size_t count() const { return places_.count(); }
+    // True: the node has a skin that cannot be applied.
+    bool ignoresSkin() const { return ignores_skin_; }
     // Where vertex i stands by one of the node's matrices; one with a skin stands by its joints.
     glm::dvec3 place(size_t i, const glm::dmat4& world) const;
     // Linear, (1, 1, 1, 1) without colours.
@@ -41,6 +43,7 @@ private:
     std::vector<std::pair<double, Accessor>> morphs_; // weights, movements
     std::vector<Influence> influences_;
     std::span<const glm::dmat4> joints_;
+    bool ignores_skin_ = false;
 };
 
 } // namespace brume::gltf
