@@ -23,6 +23,8 @@ T between(const T& a, const T& b, float part) {
 Sequence::Sequence(const Medium& medium, SequenceFiles files, Columns& columns)
     : files_(std::move(files)), rate_(static_cast<double>(medium.rate)), loop_(medium.loop), unit_(medium.extinction),
       next_(files_.most), albedos_(files_.facts.coloured ? files_.most : 0) {
+    before_.push_back(0);
+    for (const SequenceFile& file : files_.files) before_.push_back(before_.back() + file.position.size());
     turnTo(0);
     show(columns, 0, glm::vec3(0));
 }
@@ -40,6 +42,7 @@ Sequence::Moment Sequence::at(uint64_t step) const {
     const auto shown = std::prev(after);
     const double since = now - static_cast<double>(shown->number - first);
     Moment moment{.file = static_cast<size_t>(shown - files.begin()), .since = static_cast<float>(since / rate_)};
+    if (loop_) moment.round = static_cast<uint64_t>((passed - now) / static_cast<double>(last - first + 1) + 0.5);
     if (after == files.end() || !(files_.has_ids || files_.has_velocities)) return moment;
     const auto whole = static_cast<double>(after->number - shown->number);
     moment.part = static_cast<float>(since / whole);
@@ -79,6 +82,7 @@ void Sequence::add(Columns& columns, const SequenceFile& file, float seconds, fl
 void Sequence::show(Columns& columns, uint64_t step, glm::vec3 volume) {
     const Moment moment = at(step);
     if (moment.file != present_) turnTo(moment.file);
+    first_id_ = before_[moment.file] + moment.round * before_.back();
     const SequenceFile& now = files_.files[moment.file];
     const SequenceFile* then = moment.part > 0 ? &files_.files[moment.file + 1] : nullptr;
     if (files_.has_velocities) {

@@ -19,6 +19,8 @@ public:
     void settle(Columns& columns, float extinction) const override;
     std::array<Rows, 2> living() const override { return {Rows{0, live_}, Rows{}}; }
     std::span<const glm::vec3> albedos() const override { return albedos_; }
+    // Points of all files are numbered one after the other, and again in each round.
+    uint64_t firstId() const override { return first_id_; }
     bool yields() const override { return false; }
     uint64_t history() const override { return files_.hash; }
     uint64_t bytes() const override;
@@ -26,7 +28,7 @@ public:
     void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override {
         if (bytes.reads()) show(columns, now.number, now.volume);
     }
-    void restart() override { turnTo(0); }
+    void restart() override { turnTo(0), first_id_ = 0; }
 
 private:
     struct Moment {
@@ -34,6 +36,7 @@ private:
         float part = 0;  // of the way to the next; 0 where points do not move
         float since = 0; // s, for which it is shown
         float left = 0;  // s, until the next
+        uint64_t round = 0;
     };
     Moment at(uint64_t step) const;
     void turnTo(size_t file);
@@ -47,6 +50,8 @@ private:
     const float unit_; // medium.extinction of the scene; 0: points' own extinctions are never scaled
     size_t present_ = 0;
     uint32_t live_ = 0;
+    std::vector<uint64_t> before_; // points of the files before each, and at the end of all
+    uint64_t first_id_ = 0;
     std::vector<uint32_t> next_; // of each row, the same point in the next file; kNone: it has none
     std::vector<glm::vec3> albedos_;
 };

@@ -1,6 +1,8 @@
 // Layout `sequence` with points that have velocities.
 #include "server/sim/sequence.h"
 
+#include <map>
+
 #include "tests/unit/sequences.h"
 
 namespace brume::sequences_test {
@@ -28,6 +30,30 @@ TEST_F(Sequences, FilesOfPointsWithVelocitiesFadeIntoEachOther) {
     EXPECT_EQ(particlesOf(simulation)[0].centre, glm::vec3(0, 10, 0));
     EXPECT_NE(lines(played).find("by their velocities"), std::string::npos) << lines(played);
     EXPECT_NE(lines(played).find("1 to 2 points"), std::string::npos) << lines(played);
+}
+
+// Who draws between two ticks takes particles of one id for the same.
+TEST_F(Sequences, AParticleKeepsItsIdWhileItIsThere) {
+    const std::string moving = kXyz + "float vx\nfloat vy\nfloat vz\n";
+    put("smoke-000.ply", moving, "0 0 0 5 0 0\n9 0 0 5 0 0\n");
+    put("smoke-001.ply", moving, "0.5 0 0 5 0 0\n9.5 0 0 5 0 0\n50 0 0 5 0 0\n");
+    put("smoke-002.ply", moving, "1 0 0 5 0 0\n");
+    Simulation simulation(scene());
+    std::map<uint64_t, float> last;
+    uint64_t stayed = 0;
+    for (int i = 0; i < 60; ++i) { // more than three rounds
+        simulation.step({});
+        std::map<uint64_t, float> now;
+        for (const float x : xs(simulation)) now[simulation.firstId() + now.size()] = x;
+        for (const auto& [id, x] : now)
+            if (const auto was = last.find(id); was != last.end()) {
+                ++stayed;
+                EXPECT_NEAR(x - was->second, 5.0 / 60, 1e-4) << "tick " << i << ", id " << id;
+            }
+        last = std::move(now);
+    }
+    EXPECT_GT(stayed, 60u);
+    EXPECT_EQ(simulation.firstId(), 3 * 6 + 2u);
 }
 
 TEST_F(Sequences, VelocitiesComeBeforeIds) {
