@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/scene_limits.h"
+#include "common/scene_text.h"
 #include "common/volume/volume.h"
 #include "server/sim/point_cloud.h"
 

@@ -105,10 +105,12 @@ void ply(Bytes input) {
     try {
         const PlyContents contents = contentsOf(bytes, "points.ply");
         const PointCloud cloud =
-            parsePly(bytes, "points.ply", {}, {.ids = bytes.size() % 2 == 1, .axes = contents.axes});
+            parsePly(bytes, "points.ply", {},
+                     {.ids = bytes.size() % 2 == 1, .axes = contents.axes, .velocities = bytes.size() % 2 == 1});
         for (const gpu::EllipsoidAxes& axes : cloud.axes)
             for (const glm::vec3 axis : {axes.a, axes.b, axes.c})
                 promise(glm::length(axis) > 0.99f * gpu::kLeastAxis && glm::length(axis) < 1.001f, "an axis");
+        promise(cloud.velocity.empty() || cloud.velocity.size() == cloud.position.size(), "velocities are complete");
         promise(cloud.axes.size() == (contents.axes ? cloud.position.size() : 0), "axes are complete");
         const size_t points = cloud.position.size();
         promise(limits::kCount.holds(double(points)), "a number of points within limits");

@@ -43,7 +43,8 @@ void Pictures::forPixels(const Visit& visit) const {
 double Pictures::lightOf(const View& view, int pixel, std::span<const float> values) const {
     const glm::dvec3 middle = glm::dvec3(voxels_.lo() + voxels_.hi()) / 2.0;
     const glm::dvec3 half = glm::dvec3(voxels_.hi() - voxels_.lo()) / 2.0 + 1.0;
-    const double u = (pixel % side_ + 0.5) * 2 / side_ - 1, v = (pixel / side_ + 0.5) * 2 / side_ - 1;
+    const int column = pixel % side_, row = pixel / side_;
+    const double u = (column + 0.5) * 2 / side_ - 1, v = (row + 0.5) * 2 / side_ - 1;
     const glm::dvec3 through =
         middle + view.u * (u * glm::dot(half, glm::abs(view.u))) + view.v * (v * glm::dot(half, glm::abs(view.v)));
     const Part within = partWithin(voxels_, through, view.toward);

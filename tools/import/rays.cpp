@@ -47,8 +47,8 @@ Rays::Rays(const Voxels& voxels, double per_value, int side, int random, uint64_
 std::vector<double> Rays::depthsOf(const Bundle& bundle, std::span<const Kernel> kernels) const {
     std::vector<double> out(bundle.depth.size(), 0);
     for (const Kernel& kernel : kernels) {
-        // Of the Gaussian's sum along the rays, in steps between rays: its covariance, with (v, v) given the variance
-        // `along_u` of u in one row, and the row's middle `tilt` (v - its own).
+        // The Gaussian's sum along the rays is a Gaussian of u and v, here in steps between rays. In a row of one v it
+        // has the variance `along_u`, and its middle lies `tilt` (v - v of the middle) beside u of the middle.
         const glm::dmat3 spread = trueSpread(kernel) / (bundle.step * bundle.step);
         const glm::dvec3 of_u = spread * bundle.u;
         const double uu = glm::dot(bundle.u, of_u), uv = glm::dot(bundle.v, of_u),
