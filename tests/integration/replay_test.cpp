@@ -104,6 +104,8 @@ TEST_F(Look, ItPausesSeeksAndTakesNothingElse) {
         ASSERT_TRUE(watch({&watcher}, [&] { return !watcher.frames.empty() && watcher.last().tick == to; }));
         EXPECT_EQ(get(server.port(), "/snapshot.png?w=64&h=36").headers.at("brume-state"), hashAt(to));
         EXPECT_EQ(post(server.port(), "/pause").headers.at("brume-tick"), std::to_string(to));
+        const HttpReply particles = get(server.port(), "/particles.ply"); // numbered files of a recording
+        EXPECT_NE(particles.headers.at("content-disposition").find(fmt::format("-{:06}.ply", to)), std::string::npos);
     }
     for (const char* wrong : {"/seek", "/seek?tick=", "/seek?tick=-1", "/seek?tick=1x", "/seek?tick=1&x=2",
                               "/seek?tick=99999999", "/seek?tick=99999999999999999999"}) {
