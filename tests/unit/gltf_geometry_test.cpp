@@ -164,7 +164,7 @@ TEST(GltfGeometry, Instances) {
     file.json["accessors"].push_back({{"componentType", 5126}, {"count", 1ull << 40}, {"type", "VEC3"}});
     copies() = {{"TRANSLATION", file.json["accessors"].size() - 1}};
     expectRefused(file.glb(), "more than 100 copies");
-    copies() = {{"TRANSLATION", file.add(std::vector<float>(3 * 51), "VEC3", 51)}};
+    copies() = {{"TRANSLATION", file.add(std::vector<float>(153), "VEC3", 51)}};
     expectRefused(file.glb(), "more than 100 triangles");
 }
 

@@ -288,7 +288,7 @@ TEST(GltfVariants, InstancesUnderOtherNodesAndOfAnyNumber) {
     copies(1) = {{"_ID", file.json["accessors"].size() - 1}};
     expectBox(read(file.glb()), 4, {-2, 0, 0}, {0, 2, 22}); // no places: the node's own
     // Two nodes with copies, and one with none of them.
-    copies(1) = {{"TRANSLATION", file.add(std::vector<float>(3 * 20), "VEC3", 20)}};
+    copies(1) = {{"TRANSLATION", file.add(std::vector<float>(60), "VEC3", 20)}};
     copies(2) = copies(1);
     expectBox(read(file.glb()), 80, {-2, 0, 0}, {0, 2, 22});
     copies(2) = {{"TRANSLATION", file.add(std::vector<float>{}, "VEC3", 0)}};

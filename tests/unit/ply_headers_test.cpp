@@ -1,6 +1,8 @@
 // Headers of PLY files at their limits: line ends, marks, comments, types, and things that are there twice.
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "tests/unit/ply_reading.h"
 
 namespace brume::ply_headers_test {
@@ -91,10 +93,13 @@ TEST(PlyHeaders, NumbersOfAnyTypeTakeTheirBytes) {
              {"ushort", 2},  {"uint16", 2}, {"int", 4},  {"int32", 4},  {"uint", 4},  {"uint32", 4}, {"float", 4},
              {"float32", 4}, {"int64", 8},  {"long", 8}, {"uint64", 8}, {"ulong", 8}, {"double", 8}, {"float64", 8}}) {
         const std::string one(size, '\xff'), type(name);
-        const PointCloud cloud = readPly(kBinary + "element before 2\nproperty " + type + " a\nproperty list uchar " +
-                                         type + " b\nelement vertex 1\nproperty " + type + " c\n" + kXyz +
-                                         "property list ushort " + type + " d\nend_header\n" + one + '\3' + one + one +
-                                         one + one + '\0' + one + kPlace + raw(uint16_t(2)) + one + one);
+        std::string file = fmt::format("{0}element before 2\nproperty {1} a\nproperty list uchar {1} b\n"
+                                       "element vertex 1\nproperty {1} c\n{2}property list ushort {1} d\nend_header\n",
+                                       kBinary, type, kXyz);
+        for (const std::string& part : {one, std::string(1, '\3'), one, one, one, one, std::string(1, '\0'), one,
+                                        kPlace, raw(uint16_t(2)), one, one})
+            file += part;
+        const PointCloud cloud = readPly(file);
         EXPECT_EQ(cloud.position, (std::vector<glm::vec3>{{1, 2, 3}})) << name;
         EXPECT_EQ(cloud.ignored, (std::vector<std::string>{"c", "d"})) << name;
     }
@@ -103,13 +108,12 @@ TEST(PlyHeaders, NumbersOfAnyTypeTakeTheirBytes) {
     EXPECT_EQ(readPly(head + "end_header\n" + raw(int64_t(-5)) + "\1" + raw(uint64_t(7))).position,
               (std::vector<glm::vec3>{{-5, 1, 7}}));
     for (const char* length : {"bool", "char", "short", "int", "int64"})
-        expectFour(
-            readPly(fourWith("property list " + std::string(length) + " int64 a\n", "2 5 -9000000000000000000")));
+        expectFour(readPly(fourWith(fmt::format("property list {} int64 a\n", length), "2 5 -9000000000000000000")));
 }
 
 TEST(PlyHeaders, APropertyOfAnUnknownTypeIsNamed) {
     for (const char* line : {"half a_name", "list uchar half a_name", "list half int a_name", "FLOAT a_name"})
-        expectPlyRefused(fourWith("property " + std::string(line) + "\n", "1"),
+        expectPlyRefused(fourWith(fmt::format("property {}\n", line), "1"),
                          "a.ply:7: PLY: property a_name has an unknown type; expected char, uchar");
     expectPlyRefused(fourWith("property half " + std::string(500, 'n') + "\n", "1"), "nnn... has an unknown type");
 }

@@ -2,13 +2,15 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "tests/unit/ply_reading.h"
 
 namespace brume::ply_numbers_test {
 namespace {
 
-using test::asciiPly, test::expectFour, test::expectPlyRefused, test::fourWith, test::kFour, test::kXyz, test::raw,
-    test::readPly, test::replaced, test::swapped, test::tells;
+using test::asciiPly, test::expectFour, test::expectPlyRefused, test::fourWith, test::kXyz, test::raw, test::readPly,
+    test::replaced, test::swapped, test::tells;
 
 // Properties of three channels, "uchar red, ushort green, float b"; the same values for all points, and what they mean.
 struct Channels {
@@ -212,8 +214,8 @@ TEST(PlyNumbers, WhatIsBesidePackedSplatsIsTold) {
     EXPECT_TRUE(tells(cloud, "element sh, 1 row, is ignored")) << testing::PrintToString(cloud.notes);
     EXPECT_EQ(cloud.ignored, std::vector<std::string>{"segment"});
     for (const char* lacking : {"packed_scale", "packed_color"})
-        expectPlyRefused(replaced(head, lacking, "other") + "end_header\n" + chunk + row,
-                         "packed Gaussian splats (element chunk, packed_position) without " + std::string(lacking));
+        expectPlyRefused(fmt::format("{}end_header\n{}{}", replaced(head, lacking, "other"), chunk, row),
+                         fmt::format("packed Gaussian splats (element chunk, packed_position) without {}", lacking));
     expectPlyRefused(replaced(head, "max_scale_y", "other") + "end_header\n" + chunk + row,
                      "without min_scale_y and max_scale_y; write them unpacked");
 }

@@ -7,14 +7,16 @@
 namespace brume::ply_places_test {
 namespace {
 
-using test::asciiPly, test::expectFour, test::expectPlyRefused, test::fourWith, test::kFour, test::kXyz, test::raw,
-    test::readPly, test::replaced, test::tells;
+using test::asciiPly, test::expectPlyRefused, test::fourWith, test::kFour, test::kXyz, test::raw, test::readPly,
+    test::replaced, test::tells;
 
 // So many points in layers of 5 x 5, `step` apart, and others.
 std::string blockAnd(int count, double step, const std::string& others) {
     std::string points;
-    for (int i = 0; i < count; ++i)
-        points += fmt::format("{} {} {}\n", step * (i % 5), step * (i / 5 % 5), step * (i / 25));
+    for (int i = 0; i < count; ++i) {
+        const int row = i / 5 % 5, layer = i / 25;
+        points += fmt::format("{} {} {}\n", step * (i % 5), step * row, step * layer);
+    }
     return asciiPly("", points + others);
 }
 

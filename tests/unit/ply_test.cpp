@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "common/scene.h"
@@ -264,9 +265,10 @@ TEST(Ply, PointsThatNoTetrahedronHasAreLeftOut) {
                                "0 0 1 3 .3 0 0 14\n-900 0 0 9 1 1 1 15\n1 1 1 4 .4 0 0 16\n",
                       cells = "4 0 1 3 4\n4 6 4 3 1\n";
     for (const bool cells_first : {false, true}) {
-        const PointCloud cloud = parsePly(kAscii + (cells_first ? kCells + vertices : vertices + kCells) +
-                                              "end_header\n" + (cells_first ? cells + points : points + cells),
-                                          "ply_test.ply", {}, {.ids = true, .tetrahedra = true});
+        const PointCloud cloud =
+            parsePly(cells_first ? fmt::format("{}{}{}end_header\n{}{}", kAscii, kCells, vertices, cells, points)
+                                 : fmt::format("{}{}{}end_header\n{}{}", kAscii, vertices, kCells, points, cells),
+                     "ply_test.ply", {}, {.ids = true, .tetrahedra = true});
         EXPECT_EQ(cloud.tetrahedra, (std::vector<glm::uvec4>{{0, 1, 2, 3}, {4, 3, 2, 1}}));
         EXPECT_EQ(cloud.position, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}));
         EXPECT_EQ(cloud.sigma_t, (std::vector<float>{0, 1, 2, 3, 4}));

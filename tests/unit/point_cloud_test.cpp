@@ -238,7 +238,8 @@ TEST(PointClouds, MorePointsThanASceneMayHaveAreMerged) {
            "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
     double mass = 0;
     for (uint32_t i = 0; i < kMany; ++i) {
-        const float row[5]{float(i % 100), float(i / 100 % 100), float(i / 10000), 1, float(i % 7 + 1)};
+        const uint32_t y = i / 100 % 100, z = i / 10000;
+        const float row[5]{float(i % 100), float(y), float(z), 1, float(i % 7 + 1)};
         out.write(reinterpret_cast<const char*>(row), sizeof row).write("\xff\x33\0", 3);
         mass += i % 7 + 1;
     }

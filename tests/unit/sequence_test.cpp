@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "server/sim/point_cloud.h"
@@ -189,10 +190,9 @@ TEST_F(Sequences, SizesAndFactorsOfTheSceneBelongToThePoint) {
 TEST_F(Sequences, SizesFromTheSpacingAreThoseOfTheFirstFile) {
     std::string lattice, wider;
     for (int i = 0; i < 125; ++i) {
-        for (const float step : {1.0f, 3.0f})
-            (step < 2 ? lattice : wider) += std::to_string(step * float(i % 5)) + ' ' +
-                                            std::to_string(step * float(i / 5 % 5)) + ' ' +
-                                            std::to_string(step * float(i / 25)) + '\n';
+        const int x = i % 5, y = i / 5 % 5, z = i / 25;
+        lattice += fmt::format("{} {} {}\n", x, y, z);
+        wider += fmt::format("{} {} {}\n", 3 * x, 3 * y, 3 * z);
     }
     put("smoke-000.ply", kXyz, lattice);
     put("smoke-001.ply", kXyz, wider);
