@@ -121,7 +121,7 @@ TEST(PlyHeaders, APropertyOfAnUnknownTypeIsNamed) {
 TEST(PlyHeaders, AsManyPropertiesAndElementsAsThereMayBe) {
     const auto lines = [](size_t count, const std::string& begin, const std::string& end) {
         std::string out;
-        for (size_t i = 0; i < count; ++i) out += begin + std::to_string(i) + end;
+        for (size_t i = 0; i < count; ++i) out += fmt::format("{}{}{}", begin, i, end);
         return out;
     };
     for (const size_t count : {77u, 1021u}) {

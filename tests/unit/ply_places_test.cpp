@@ -7,8 +7,8 @@
 namespace brume::ply_places_test {
 namespace {
 
-using test::asciiPly, test::expectPlyRefused, test::fourWith, test::kFour, test::kXyz, test::raw, test::readPly,
-    test::replaced, test::tells;
+using test::asciiPly, test::expectPlyRefused, test::fourWith, test::kFour, test::kXyz, test::readPly, test::replaced,
+    test::tells;
 
 // So many points in layers of 5 x 5, `step` apart, and others.
 std::string blockAnd(int count, double step, const std::string& others) {
