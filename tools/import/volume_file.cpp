@@ -128,8 +128,10 @@ void copy(const openvdb::FloatGrid& grid, Volume& out) {
 // A grid's vectors at the voxels above 0.
 std::vector<glm::vec3> sampled(const openvdb::Vec3SGrid& grid, const Volume& at_voxels) {
     std::vector<glm::vec3> out(at_voxels.voxels.values().size(), glm::vec3(0));
+    // The accessor outlives the sampler, which points to it.
+    const openvdb::Vec3SGrid::ConstAccessor accessor = grid.getConstAccessor();
     const openvdb::tools::GridSampler<openvdb::Vec3SGrid::ConstAccessor, openvdb::tools::BoxSampler> sampler(
-        grid.getConstAccessor(), grid.transform());
+        accessor, grid.transform());
     for (size_t i = 0; i < out.size(); ++i) {
         if (!(at_voxels.voxels.values()[i] > 0)) continue;
         const glm::ivec3 voxel = volumes::voxelOf(at_voxels.voxels.blocks()[i / kInBlock], i % kInBlock);
