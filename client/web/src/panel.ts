@@ -157,8 +157,10 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
 
   const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
-  const open = button('Open file…', 'Show a point cloud or volume of yours (PLY, NRRD) to everyone; or drop the file here', () =>
-    host.openCloud(),
+  const open = button(
+    'Open file…',
+    'Show a point cloud or volume of yours (PLY, NRRD) to everyone; or drop the file here',
+    () => host.openCloud(),
   );
   const frame: FileFrame = { unit: 'auto', up: 'y' };
   const unit = select('File’s unit', (value) => (frame.unit = value), 'Of a file that is opened or dropped');

@@ -1,4 +1,4 @@
-// Another scene for everyone: by its name, or a point cloud that this viewer has as a PLY or NRRD file; and what is shown now
+// Another scene for everyone: by its name, or a file that this viewer has (PLY, NRRD); and what is shown now
 // as a file. Over HTTP, with the token of the page.
 import type { Camera } from './camera';
 import { placeText } from './place';
