@@ -44,7 +44,7 @@ PlyExtent extentOf(const Points& points, const std::string& up) {
         for (size_t i = 0; i < points.count(); ++i)
             if (const glm::dvec3 place = placeOf(points, i, up); isFinite(place)) numbers.push_back(number(place));
     };
-    const auto at = [&](size_t index) { // of the sorted numbers
+    const auto at = [&](size_t index) { // the number of that rank
         const auto nth = numbers.begin() + std::ptrdiff_t(index);
         std::nth_element(numbers.begin(), nth, numbers.end());
         return *nth;

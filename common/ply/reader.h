@@ -52,8 +52,8 @@ std::string rowsText(uint64_t count);
 
 class Reader {
 public:
-    // `file`: its name in messages. `text` must outlive the reader. A byte order mark of UTF-8 is passed over,
-    // that of UTF-16 fails.
+    // `file`: its name in messages. `text` must outlive the reader. A byte order mark of UTF-8 is passed over.
+    // One of UTF-16 fails.
     Reader(std::string_view text, std::string file);
 
     // "file: PLY: what"; within the header "file:line: PLY: what".

@@ -51,7 +51,7 @@ std::string unpackGzip(std::string_view packed, uint64_t size, std::string& out)
     for (uint64_t made = 0;;) {
         char beyond = 0;
         if (made == out.size() && made < size) out.resize(std::min(size, std::max(kFirst, 2 * made)));
-        const bool full = made == size; // what is left is the end, which makes no byte
+        const bool full = made == size; // True: all bytes are there; the end of the packed ones makes none
         const int answer = full ? unpacker.into(&beyond, 1, made) : unpacker.into(&out[made], out.size() - made, made);
         if (made > size) return fmt::format("its packed voxels are more than {} bytes", size);
         if (answer == Z_BUF_ERROR)

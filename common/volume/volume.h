@@ -38,10 +38,11 @@ struct Volume {
 // file's axes. A volume of more than `most` nodes is halved until it has fewer: each voxel then is the mean of eight.
 // Throws SceneError, one line, for a file that cannot be read or is not such a one.
 Volume loadVolume(const std::filesystem::path& file, const PlyFrame& frame, uint64_t most);
+Volume parseVolume(std::string_view bytes, const std::string& name, const PlyFrame& frame, uint64_t most);
+
 // True: the bytes begin as a NRRD file does.
 bool isNrrd(std::string_view bytes);
-// Where its voxels are, in the file's unit; `count` is their number. Throws SceneError as the others.
+// Where the voxels of a file's bytes are, in its unit; `count` is their number. Throws SceneError as parseVolume().
 PlyExtent volumeExtentOf(std::string_view bytes, const std::string& name, const std::string& up);
-Volume parseVolume(std::string_view bytes, const std::string& name, const PlyFrame& frame, uint64_t most);
 
 } // namespace brume

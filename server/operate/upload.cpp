@@ -40,7 +40,7 @@ UploadedScene sceneOfUpload(const std::string& bytes, const UploadOptions& optio
     placeCamera(scene);
     // Half of what an even sky sends from above on the average of all directions: nothing shadows ambient light.
     scene.sky.ambient = 0.125f * (scene.sky.zenith + scene.sky.horizon);
-    if (contents.splats) { // whose colours hold their light
+    if (contents.splats) { // their colours hold the light already
         scene.lights.clear();
         scene.sky.ambient = glm::vec3(1);
         scene.render.tone_map = "linear";

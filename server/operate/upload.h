@@ -15,7 +15,7 @@ std::string endingOf(const std::string& bytes);
 
 struct UploadedScene {
     Scene scene;                    // with a camera that sees all of it
-    std::vector<std::string> notes; // what was chosen for it, one line each
+    std::vector<std::string> notes; // choices that the file left open, one line each
 };
 
 // `file`: the scene's file, beside which the bytes are kept under its name. Throws SceneError for bytes that cannot be

@@ -114,7 +114,7 @@ fs::path UploadedClouds::Incoming::keep(const std::string& text) {
     if (!error) fs::rename(scene(), kept_, error);
     if (error) throw SceneError(kept_.string() + ": cannot be written: " + error.message());
     std::error_code ignored;
-    for (const char* ending : kEndings) // of what had the name
+    for (const char* ending : kEndings) // an older cloud of this name may be of the other kind
         if (ending != own) fs::remove(besideOf(kept_, ending), ignored);
     keepNewest(kept_.parent_path());
     return kept_;

@@ -6,7 +6,7 @@
 namespace brume {
 namespace {
 
-constexpr int kSlides = 4;         // what one particle may meet in a tick; then it waits for the next
+constexpr int kSlides = 4;         // solids that one particle may meet in a tick; then it waits for the next
 constexpr double kClearance = 2.2; // standard deviations between a wall and a particle at rest
 constexpr double kDeviation = 0.1; // of scale * falloff (shaders/shared/transmittance.h)
 constexpr double kRelax = 0.15;    // s, in which the way that is missing shrinks to 1 / e

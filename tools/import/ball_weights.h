@@ -13,7 +13,7 @@ namespace brume::volumes {
 
 class BallWeights {
 public:
-    static constexpr double kReach = 3.4; // deviations, where it ends, fallen to 0.3 %
+    static constexpr double kReach = 3.4; // deviations, where the ball ends, fallen to 0.3 %
 
     explicit BallWeights(const Kernel& kernel) : at_(kernel.at) {
         const double deviation = std::sqrt(kernel.spread[0][0]);

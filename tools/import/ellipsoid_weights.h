@@ -42,7 +42,7 @@ inline double sumOf(const Row& row) {
 
 class EllipsoidWeights {
 public:
-    static constexpr double kReach = 4; // deviations, where it ends
+    static constexpr double kReach = 4; // deviations, where the Gaussian ends
 
     explicit EllipsoidWeights(const Kernel& kernel) : at_(kernel.at), precision_(glm::inverse(kernel.spread)) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -59,8 +59,9 @@ public:
     glm::ivec3 first() const { return first_; } // voxels within reach lie between these
     glm::ivec3 last() const { return last_; }
 
-    // Adds the Gaussian's part of one block, whose first voxel is `origin`.
-    void gather(const float* values, glm::ivec3 origin, bool, Moments& out) const {
+    // Adds the Gaussian's part of one block, whose first voxel is `origin`. All moments are hardly dearer than the
+    // mass.
+    void gather(const float* values, glm::ivec3 origin, bool /*shape*/, Moments& out) const {
         Row mass{}, x_of{}, y_of{};
         glm::dvec3 across(0); // sums of xx, xy, yy
         forRows(origin, [&](int x, int y, const Row& weights) {

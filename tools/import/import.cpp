@@ -110,20 +110,23 @@ private:
 
     // All files of a sequence have the same properties: the first one's.
     void alike(const std::filesystem::path& in, Volume& volume) {
-        if (!wanted_) wanted_ = {!volume.albedo.empty(), !volume.velocity.empty()};
+        if (!first_) first_ = {!volume.albedo.empty(), !volume.velocity.empty()};
         const auto as = [&](bool wanted, const char* what, const char* instead, glm::vec3 value, auto& vectors) {
             if (!vectors.empty() == wanted) return;
             say_(in.string() + (wanted ? fmt::format(": no {}, unlike in the first file; {} is taken", what, instead)
                                        : fmt::format(": the {} is ignored, as the first file has none", what)));
             vectors.assign(wanted ? volume.voxels.values().size() : 0, value);
         };
-        as(wanted_->first, "albedo", "1", glm::vec3(1), volume.albedo);
-        as(wanted_->second, "velocity", "0", glm::vec3(0), volume.velocity);
+        as(first_->albedo, "albedo", "1", glm::vec3(1), volume.albedo);
+        as(first_->velocity, "velocity", "0", glm::vec3(0), volume.velocity);
     }
 
     const ImportSettings& settings_;
     const std::function<void(const std::string&)>& say_;
-    std::optional<std::pair<bool, bool>> wanted_; // albedo and velocity, as the first file has them
+    struct Vectors {
+        bool albedo, velocity; // True: a file has them
+    };
+    std::optional<Vectors> first_; // of the first file
 };
 
 } // namespace

@@ -5,7 +5,7 @@
 
 namespace brume::volumes {
 
-constexpr double kLeastDeviation = 0.35; // voxels; a narrower one falls between the voxels' centres
+constexpr double kLeastDeviation = 0.35; // voxels; a narrower Gaussian falls between the voxels' centres
 
 // What voxels have, weighted by a Gaussian: the sum, and its moments about the Gaussian's middle.
 struct Moments {
