@@ -150,6 +150,7 @@ private:
         allow(command->add_option("--seconds", o.effort.seconds, "of frames per variant"), 0.0, 600.0);
         allow(command->add_option("--least", o.effort.least, "frames per variant, at least"), 1, 1000);
         command->add_option("--only", o.effort.only, "series whose name holds this");
+        command->add_flag("--merge", o.merge, "keep what the file has of other series");
     }
 
     void addTetrahedra() {
@@ -190,6 +191,10 @@ private:
                            [this] { features(context_, feature_frames_, features_out_); });
         allow(command->add_option("--frames", feature_frames_, "of each"), 1, 10000);
         command->add_option("--out", features_out_, kOutHelp)->default_str("");
+
+        command = addPlain("mesh-order", kMeasurements, "what drawing tetrahedra in the order of their centres costs",
+                           [this] { meshOrder(context_, mesh_order_out_); });
+        command->add_option("--out", mesh_order_out_, kOutHelp)->default_str("");
 
         command = addPlain("scaling", kMeasurements, "what a view costs with 1 to 1,024 lights, and 10 to 4,000 boxes",
                            [this] { scaling(context_, scaling_frames_, scaling_out_); });
@@ -315,7 +320,7 @@ private:
         .question = {.scenes = {"plume", "cloud", "cumulus", "cloud:inside", "props", "courtyard", "smoke-spots"}}};
     DrawingOptions drawing_{.question = {.scenes = {"cloud", "cloud:inside", "cloud-5000", "cloud-5000:inside", "plume",
                                                     "cumulus", "tubes", "props"}}};
-    std::string plan_out_, features_out_, scaling_out_, operations_out_, pictures_only_, pictures_out_;
+    std::string plan_out_, features_out_, scaling_out_, mesh_order_out_, operations_out_, pictures_only_, pictures_out_;
     uint32_t feature_frames_ = 10, scaling_frames_ = 5, operation_repeats_ = 12;
     NativeOptions native_;
 };

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -17,12 +16,14 @@
 #include "tools/bench/error.h"
 #include "tools/bench/features.h"
 #include "tools/bench/lattice.h"
+#include "tools/bench/mesh_order.h"
 #include "tools/bench/operations/operations.h"
 #include "tools/bench/page.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
 #include "tools/bench/promise_page.h"
 #include "tools/bench/report.h"
+#include "tools/bench/results_file.h"
 #include "tools/bench/scaling.h"
 
 namespace brume::bench {
@@ -30,12 +31,15 @@ namespace {
 
 using nlohmann::json;
 
-json readJson(const std::filesystem::path& file) {
-    std::ifstream in(file);
-    json parsed = json::parse(in, nullptr, false);
-    if (parsed.is_discarded())
-        throw std::runtime_error(file.string() + ": no JSON; give the results that brume-bench sweep wrote");
-    return parsed;
+// Where results are from. `device`: null if none takes part.
+json madeBy(const Context& context, const gpu::Device* device) {
+    const bool changed = !said("git status --porcelain -- . ':!docs' 2>/dev/null").empty();
+    return {{"device", device ? device->name() : "none"},
+            {"driver", device ? device->driver() : "none"},
+            {"cpu", cpu()},
+            {"command", context.command},
+            {"commit", said("git rev-parse --short HEAD 2>/dev/null") + (changed ? " with changes" : "")},
+            {"date", today()}};
 }
 
 // "PNG" or "JPEG" for a file of that name; empty for others.
@@ -217,18 +221,23 @@ void sweep(const Context& context, const SweepOptions& o) {
     const gpu::Device device(context.device);
     Truth truth(context.cache);
     const auto begin = std::chrono::steady_clock::now();
-    json results = {{"device", device.name()}, {"driver", device.driver()}, {"command", context.command}};
+    const json made = madeBy(context, &device);
+    json results = made;
     results["series"] = runSweep(device, all, truth, o.effort);
+    for (json& series : results["series"]) series["made"] = made;
     results["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
-    results["commit"] =
-        said("git rev-parse --short HEAD 2>/dev/null") +
-        (said("git status --porcelain -- . ':!docs/results' 2>/dev/null").empty() ? "" : " with changes");
-    results["cpu"] = cpu();
-    results["date"] = today();
-    writeText(o.out, results.dump(1) + '\n');
+    if (o.merge && std::filesystem::exists(o.out)) results = merged(readResults(o.out), results);
+    writeText(o.out, textOf(results));
+}
+
+void meshOrder(const Context& context, const std::filesystem::path& out) {
+    const json made = madeBy(context, nullptr);
+    json results = made;
+    results["series"] = {{{"name", "Order of centres"}, {"baseline", ""}, {"made", made}, {"rows", meshOrderRows({})}}};
+    writeText(out, textOf(results));
 }
 
 void tetrahedra(const TetrahedraOptions& o) {
@@ -353,9 +362,9 @@ void pictures(const Context& context, const std::string& only, const std::filesy
 }
 
 void report(const ReportOptions& o) {
-    const json results = readJson(o.results);
+    const json results = readResults(o.results);
     if (o.before.empty()) return writeReport(results, o.folder, o.name);
-    std::cout << compareResults(readJson(o.before), results);
+    std::cout << compareResults(readResults(o.before), results);
 }
 
 } // namespace brume::bench

@@ -75,9 +75,13 @@ void correction(const Context& context, CorrectionOptions options);
 struct SweepOptions {
     std::vector<std::string> files;
     std::string out = "build/bench.json";
+    bool merge = false; // True: what `out` has of other series stays
     Effort effort;
 };
 void sweep(const Context& context, const SweepOptions& options);
+
+// What sorting tetrahedra by their centres costs; JSON as of a sweep.
+void meshOrder(const Context& context, const std::filesystem::path& out);
 
 struct TetrahedraOptions {
     Case wanted;

@@ -35,7 +35,7 @@ glm::vec3 linearFromSrgb(glm::vec3 v) {
 
 } // namespace
 
-nlohmann::json jpegRows(const gpu::Device& device, const Case& wanted, glm::uvec2 size,
+nlohmann::json jpegRows(const gpu::Device& device, const std::string& variant, const Case& wanted, glm::uvec2 size,
                         const std::vector<std::string>& qualities) {
     Stage stage(device, wanted);
     const RadianceImage image = stage.picture(stage.pose(), size);
@@ -62,7 +62,7 @@ nlohmann::json jpegRows(const gpu::Device& device, const Case& wanted, glm::uvec
         rows.push_back({{"scene", wanted.scene},
                         {"camera", wanted.camera},
                         {"size", std::to_string(size.x) + 'x' + std::to_string(size.y)},
-                        {"variant", "quality " + quality},
+                        {"variant", variant},
                         {"quality", std::stoi(quality)},
                         {"bytes", jpeg.size()},
                         {"encode_ms", median(ms)},

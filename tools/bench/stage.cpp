@@ -184,4 +184,16 @@ double percentile(std::vector<double> values, double part) {
     return values[std::clamp<size_t>(rank, 1, values.size()) - 1];
 }
 
+std::pair<size_t, size_t> intervalOfMedian(size_t count) {
+    size_t low = 0;
+    // Probability that no more than `low` values lie below the median, on either side.
+    double one = std::pow(0.5, double(count)), outside = one;
+    while (low + 1 < count / 2) {
+        one *= double(count - low) / double(low + 1);
+        if (2 * (outside + one) > 0.1) break;
+        outside += one, ++low;
+    }
+    return {low, count - 1 - low};
+}
+
 } // namespace brume::bench

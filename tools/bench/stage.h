@@ -100,6 +100,9 @@ private:
 
 // Percentile by nearest rank; 0 without values. `part`: 0 ... 1.
 double percentile(std::vector<double> values, double part);
+// Ranks, from 0, of the two of `count` sorted values between which the true median lies with at least 90 %: by the
+// binomial distribution, if values are independent. The first and the last for fewer than five values. `count` >= 1.
+std::pair<size_t, size_t> intervalOfMedian(size_t count);
 inline double median(const std::vector<double>& values) { return percentile(values, 0.5); }
 
 } // namespace brume::bench

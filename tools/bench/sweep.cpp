@@ -13,6 +13,7 @@
 #include "tools/bench/jpeg_error.h"
 #include "tools/bench/light_error.h"
 #include "tools/bench/passes.h"
+#include "tools/bench/phase_error.h"
 #include "tools/bench/seen_error.h"
 
 namespace brume::bench {
@@ -33,7 +34,7 @@ void readVariant(TableReader& in, Variant& out) {
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "orbit", "seams", "motion"};
+    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "phase", "orbit", "seams", "motion"};
     if (const auto kind = in.choice("kind", kKinds)) out.kind = kKinds[*kind];
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
@@ -75,6 +76,18 @@ struct Costs {
         frames.push_back(std::move(frame));
     }
 
+    // Of each frame: ms of the medium's passes of all views, of all passes of the views, and with what is made once for
+    // all of them.
+    std::vector<double> times(bool (*counts)(const FrameCost::Pass&)) const {
+        std::vector<double> out;
+        for (const FrameCost& frame : frames) {
+            out.push_back(0);
+            for (const FrameCost::Pass& pass : frame.passes)
+                if (counts(pass)) out.back() += pass.ms;
+        }
+        return out;
+    }
+
     json summary() const {
         json passes = json::array();
         std::vector<double> shared(frames.size()), each(frames.size()), medium(frames.size()), wall;
@@ -107,6 +120,23 @@ struct Costs {
     }
 };
 
+// How many times another row's a row's times are, frame by frame: a turn's two frames are neighbours in time. The
+// median, and an interval that holds the true one with at least 90 % if frames are alike (5 frames and more; with
+// fewer, the least and the most).
+json ratioOf(const std::vector<double>& times, const std::vector<double>& others) {
+    std::vector<double> ratios;
+    for (size_t i = 0; i < std::min(times.size(), others.size()); ++i)
+        if (others[i] > 0) ratios.push_back(times[i] / others[i]);
+    if (ratios.empty()) return nullptr;
+    std::sort(ratios.begin(), ratios.end());
+    const auto [low, high] = intervalOfMedian(ratios.size());
+    return {{"median", median(ratios)}, {"low", ratios[low]}, {"high", ratios[high]}};
+}
+
+bool isOfMedium(const FrameCost::Pass& pass) { return !pass.shared && ofMedium(pass.name); }
+bool isOfViews(const FrameCost::Pass& pass) { return !pass.shared; }
+bool isAny(const FrameCost::Pass&) { return true; }
+
 // All variants of one place, their frames in turns: what disturbs the machine disturbs all alike.
 json costRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
               const std::string& size, const std::string& viewers, Truth& truth, const Effort& effort) {
@@ -128,9 +158,15 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         }
     }
     json rows = json::array();
+    const auto named = [&](const Variant& v) { return v.name == series.baseline; };
+    const auto chosen = std::ranges::find_if(series.variants, named);
+    const Costs& base = costs[chosen == series.variants.end() ? 0 : size_t(chosen - series.variants.begin())];
     for (size_t i = 0; i < stages.size(); ++i) {
         Stage& stage = *stages[i];
         json row = costs[i].summary();
+        row["over_baseline"] = {{"medium", ratioOf(costs[i].times(isOfMedium), base.times(isOfMedium))},
+                                {"views", ratioOf(costs[i].times(isOfViews), base.times(isOfViews))},
+                                {"frame", ratioOf(costs[i].times(isAny), base.times(isAny))}};
         row.update({{"scene", scene},
                     {"camera", camera},
                     {"size", size},
@@ -233,6 +269,12 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                              ? seamRows(device, cases, size, series.ticks)
                              : motionRows(device, cases, size, std::max(series.frames, 3u), series.ticks));
                 }
+                if (series.kind == "phase") {
+                    std::vector<PhaseCase> cases;
+                    for (const Variant& variant : series.variants)
+                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    take(phaseRows(device, cases, sizeOf(series.error)));
+                }
                 if (series.kind == "light") {
                     std::vector<LightCase> cases;
                     for (const Variant& variant : series.variants)
@@ -242,8 +284,9 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                 if (series.kind != "cost" && series.kind != "jpeg") continue;
                 for (const std::string& size : series.sizes) {
                     if (series.kind == "jpeg")
-                        take(jpegRows(device, caseOf(series, series.variants.front(), scene, camera), sizeOf(size),
-                                      series.qualities));
+                        for (const Variant& variant : series.variants)
+                            take(jpegRows(device, variant.name, caseOf(series, variant, scene, camera), sizeOf(size),
+                                          series.qualities));
                     if (series.kind != "cost") continue;
                     for (const std::string& viewers : series.viewers)
                         take(costRows(device, series, scene, camera, size, viewers, truth, effort));
