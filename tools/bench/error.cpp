@@ -8,10 +8,7 @@
 #include <nlohmann/json.hpp>
 
 namespace brume::bench {
-namespace {
-
-// Pixels that show the medium and are, or are not, edges.
-std::vector<uint8_t> part(const RadianceImage& reference, bool edges) {
+std::vector<uint8_t> comparedPixels(const RadianceImage& reference, bool edges) {
     std::vector<uint8_t> mask = mediumMask(reference);
     for (size_t i = 0; i < mask.size(); ++i) {
         const bool edge = !reference.edges.empty() && reference.edges[i] != 0;
@@ -19,8 +16,6 @@ std::vector<uint8_t> part(const RadianceImage& reference, bool edges) {
     }
     return mask;
 }
-
-} // namespace
 
 double MediumError::edgeShare() const {
     return double(edges.pixels) / double(std::max<size_t>(edges.pixels + medium.pixels, 1));
@@ -30,8 +25,8 @@ MediumError mediumError(const RadianceImage& value, const RadianceImage& referen
     MediumError error;
     error.edges_known = !reference.edges.empty();
     error.alone = value.medium_alone && reference.medium_alone;
-    error.medium = compare(value, reference, display, part(reference, false));
-    const std::vector<uint8_t> edges = part(reference, true);
+    error.medium = compare(value, reference, display, comparedPixels(reference));
+    const std::vector<uint8_t> edges = comparedPixels(reference, true);
     if (std::ranges::find(edges, 1) == edges.end()) {
         constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
         error.edges.relative_rmse = error.edges.bias = error.edges.flip = kNone;
@@ -43,7 +38,7 @@ MediumError mediumError(const RadianceImage& value, const RadianceImage& referen
 
 double samplingError(const RadianceImage& value, const RadianceImage& reference, const DisplaySettings& display) {
     constexpr size_t kGroups = 20;
-    std::vector<uint8_t> mask = part(reference, false);
+    std::vector<uint8_t> mask = comparedPixels(reference);
     std::vector<size_t> pixels;
     for (size_t i = 0; i < mask.size(); ++i)
         if (mask[i]) pixels.push_back(i);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -20,6 +21,9 @@ struct MediumError {
 
     double edgeShare() const; // of the pixels that show the medium, in [0, 1]
 };
+
+// 1 for pixels that show the medium and are no edges, or are edges.
+std::vector<uint8_t> comparedPixels(const RadianceImage& reference, bool edges = false);
 
 // `reference`: of Truth, or read from what `brume-bench render --reference` wrote. Throws std::invalid_argument if
 // sizes differ.

@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/plot.h"
@@ -169,14 +170,6 @@ std::string lightTable(const json& series) {
     return table.text() + "\n";
 }
 
-std::string orbitTable(const json& series) {
-    Table table({"orbit", "variant", "frames", "degrees a frame", "temporal FLIP beyond the reference's"});
-    for (const json& row : series.at("rows"))
-        table.line({place(row), row.at("variant"), digits(numberAt(row, "/frames")), digits(numberAt(row, "/degrees")),
-                    digits(numberAt(row, "/temporal_flip"))});
-    return table.text() + "\n";
-}
-
 std::string seamTable(const json& series) {
     Table table({"picture", "variant", "pixels", "kinks above 1 %", "99th percentile", "median"});
     for (const json& row : series.at("rows"))
@@ -186,13 +179,34 @@ std::string seamTable(const json& series) {
     return table.text() + "\n";
 }
 
+std::string withDeviation(const json& of, const char* mean, const char* deviation, double times, const char* unit) {
+    return digits(numberAt(of, mean), times) + " ± " + digits(numberAt(of, deviation), times) + unit;
+}
+
 std::string motionTable(const json& series) {
-    Table table({"picture", "variant", "frames", "relative RMSE", "flicker", "temporal FLIP beyond the finest map's"});
-    for (const json& row : series.at("rows"))
-        table.line({place(row), row.at("variant"), whole(numberAt(row, "/frames")),
-                    digits(numberAt(row, "/relative_rmse"), 100, " %"), digits(numberAt(row, "/flicker"), 100, " %"),
-                    digits(numberAt(row, "/temporal_flip"))});
-    return table.text() + "\n";
+    Table errors({"picture", "what moves", "variant", "relative RMSE", "largest", "flicker", "temporal FLIP beyond",
+                  "lag, frames", "ghost", "brightness from frame to frame"}),
+        times({"picture", "what moves", "variant", "place", "frames", "mean, ms", "deviation, ms", "variance, ms²"});
+    bool any = false; // errors
+    for (const json& row : series.at("rows")) {
+        any = any || row.contains("flicker");
+        errors.line(
+            {place(row), row.at("mover"), row.at("variant"),
+             withDeviation(row, "/relative_rmse", "/rmse_deviation", 100, " %"),
+             digits(numberAt(row, "/rmse_greatest"), 100, " %") + " in " + whole(numberAt(row, "/greatest_frame")),
+             digits(numberAt(row, "/flicker"), 100, " %"), digits(numberAt(row, "/temporal_flip")),
+             digits(numberAt(row, "/lag")), digits(numberAt(row, "/ghost"), 100, " %"),
+             fmt::format("{:.4f} … {:.4f}", numberAt(row, "/ratio_least"), numberAt(row, "/ratio_greatest"))});
+        const auto time = [&](const std::string& where, const json& ms) {
+            times.line({place(row), row.at("mover"), row.at("variant"), where, whole(numberAt(ms, "/frames")),
+                        digits(numberAt(ms, "/mean")), digits(numberAt(ms, "/deviation")),
+                        digits(numberAt(ms, "/variance"))});
+        };
+        time("all", row.at("ms"));
+        for (size_t i = 0; row.contains("places") && i < row["places"].size(); ++i)
+            time(std::to_string(i + 1), row["places"][i]);
+    }
+    return (any ? errors.text() + "\n" : "") + times.text() + "\n";
 }
 
 std::string list(const json& texts) {
@@ -237,6 +251,8 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
             out += " Errors at " + series.value("error", "");
             if (const int every = series.value("every", 1); every > 1)
                 out += ", every " + std::to_string(every) + "th pixel";
+            if (const std::string beside = series.value("beside", ""); !beside.empty())
+                out += ", beside the variant " + beside;
             out += '.';
         }
         if (!series.value("published_on", "").empty())
@@ -245,7 +261,6 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
         const std::string kind = series.at("kind");
         out += kind == "jpeg"     ? jpegTable(series)
                : kind == "light"  ? lightTable(series)
-               : kind == "orbit"  ? orbitTable(series)
                : kind == "seams"  ? seamTable(series)
                : kind == "motion" ? motionTable(series)
                                   : costTables(series, folder, name);

@@ -123,8 +123,20 @@ FrameCost Stage::frame() {
     return cost;
 }
 
-RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size) {
-    const EyeRequest eye{pose, size.x, size.y};
+double Stage::deviceMs() {
+    double ms = 0;
+    for (const gpu::PassSample& sample : submission_.commands.readTimes()) ms += double(sample.ms);
+    return ms;
+}
+
+double Stage::timed(const Pose& pose, glm::uvec2 size, uint64_t history) {
+    const EyeRequest eye{.pose = pose, .width = size.x, .height = size.y, .history = history};
+    submit({&eye, 1});
+    return deviceMs();
+}
+
+RadianceImage Stage::picture(const Pose& pose, glm::uvec2 size, uint64_t history) {
+    const EyeRequest eye{.pose = pose, .width = size.x, .height = size.y, .history = history};
     renderer_.keepRadiance(true);
     submit({&eye, 1});
     renderer_.keepRadiance(false);
@@ -156,7 +168,7 @@ Stage::Layered Stage::layered(const Pose& pose, glm::uvec2 size, uint32_t count)
     const EyeRequest eye{.pose = pose, .width = size.x, .height = size.y, .depth_layers = count};
     submit({&eye, 1});
     Layered out;
-    for (const gpu::PassSample& sample : submission_.commands.readTimes()) out.ms += double(sample.ms);
+    out.ms = deviceMs();
     out.picture = submission_.pictures().front(), out.layers = submission_.layers().front();
     return out;
 }

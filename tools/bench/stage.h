@@ -61,8 +61,11 @@ public:
     Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0, const CostModel& costs = builtInCosts());
 
     void step(std::span<const Command> commands) { simulation_.step(commands); }
-    FrameCost frame();                                        // renders all viewers of the case
-    RadianceImage picture(const Pose& pose, glm::uvec2 size); // renders one more view and reads it back
+    FrameCost frame(); // renders all viewers of the case
+    // Renders one more view and reads it back. `history`: as EyeRequest::history.
+    RadianceImage picture(const Pose& pose, glm::uvec2 size, uint64_t history = 0);
+    // Renders one more view, and says how long its passes took: ms of the device.
+    double timed(const Pose& pose, glm::uvec2 size, uint64_t history = 0);
     // Renders one more view: the picture, or what is drawn in its place (shaders/shared/show.h), as a display shows it.
     std::vector<glm::u8vec3> shown(const Pose& pose, glm::uvec2 size, uint32_t show);
     // One more view with `count` layers with depth. Valid until the next picture.
@@ -76,6 +79,7 @@ public:
     const Submission::Fits& fits();
     std::span<const PictureView> planes(); // planes of the last frame, the encoder's input
 
+    double deviceMs(); // of the passes of the last frame or picture
     const Plan& plan() const { return plan_; }
     const Scene& scene() const { return scene_; }
     const Simulation& simulation() const { return simulation_; }

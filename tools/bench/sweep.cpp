@@ -14,7 +14,7 @@
 #include "tools/bench/light_error.h"
 #include "tools/bench/passes.h"
 #include "tools/bench/phase_error.h"
-#include "tools/bench/seen_error.h"
+#include "tools/bench/seams.h"
 
 namespace brume::bench {
 namespace {
@@ -31,10 +31,17 @@ void readVariant(TableReader& in, Variant& out) {
     out.published_ms = double(published);
 }
 
+// The variant whose pictures the others are compared with; nothing: they are compared with the reference.
+std::optional<size_t> besideOf(const Series& series) {
+    for (size_t i = 0; i < series.variants.size(); ++i)
+        if (!series.beside.empty() && series.variants[i].name == series.beside) return i;
+    return std::nullopt;
+}
+
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "phase", "orbit", "seams", "motion"};
+    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "phase", "seams", "motion"};
     if (const auto kind = in.choice("kind", kKinds)) out.kind = kKinds[*kind];
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
@@ -48,10 +55,20 @@ void readSeries(TableReader& in, Series& out) {
     in.text("baseline", out.baseline, 64);
     in.text("published_on", out.published_on, 100);
     in.texts("qualities", out.qualities);
-    in.integer("frames", out.frames, {2, 1000});
-    in.number("degrees", out.degrees, {0, 360});
+    in.texts("movers", out.motion.movers);
+    for (const std::string& mover : out.motion.movers)
+        if (std::ranges::find(kMovers, mover) == std::end(kMovers))
+            in.fail("movers", '"' + mover + "\" is not allowed", "camera, particles, sun, lamp, all");
+    in.integer("frames", out.motion.frames, {3, 1000});
+    in.integer("lead", out.motion.lead, {0, 1000});
+    in.number("degrees", out.motion.degrees, {-360, 360});
+    in.number("light_degrees", out.motion.light_degrees, {-360, 360});
+    in.texts("places", out.motion.places);
     in.tables("variant", out.variants, {1, 100}, readVariant);
     if (out.variants.empty()) out.variants.push_back({.name = "default", .set = {}, .size = {}});
+    in.text("beside", out.beside, 64);
+    if (!out.beside.empty() && !besideOf(out))
+        in.fail("beside", '"' + out.beside + "\" is no variant", "a name of one");
 }
 
 Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera) {
@@ -185,9 +202,12 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         std::string said; // of the error
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);
-            const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
-            const MediumError error = mediumError(thinned(stage.picture(stage.pose(), small), series.every), exact,
-                                                  displayOf(stage.scene().render));
+            const auto own = [&](Stage& of) { return thinned(of.picture(of.pose(), small), series.every); };
+            const std::optional<size_t> beside = besideOf(series);
+            const RadianceImage exact =
+                beside ? own(*stages[*beside]) : truth.of(stage, stage.pose(), small, series.every);
+            const MediumError error =
+                mediumError(beside == i ? exact : own(stage), exact, displayOf(stage.scene().render));
             row["error"] = toJson(error);
             said = inShort(error);
         }
@@ -195,35 +215,6 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                      size.c_str(), viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>(),
                      said.c_str());
         rows.push_back(std::move(row));
-    }
-    return rows;
-}
-
-// A slow orbit, paused: flicker and popping beyond the reference's own.
-json orbitRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
-               Truth& truth) {
-    json rows = json::array();
-    for (const Variant& variant : series.variants) {
-        Stage stage(device, caseOf(series, variant, scene, camera), series.ticks);
-        std::vector<RadianceImage> frames, exact;
-        const glm::uvec2 size = sizeOf(series.error);
-        for (uint32_t i = 0; i < series.frames; ++i) {
-            const Pose pose =
-                turnedAbout(stage.pose(), stage.scene().camera.target, glm::radians(series.degrees * float(i)));
-            frames.push_back(stage.picture(pose, size));
-            exact.push_back(truth.of(stage, pose, size));
-        }
-        const double flip = temporalFlip(frames, exact, displayOf(stage.scene().render));
-        rows.push_back({{"scene", scene},
-                        {"camera", camera},
-                        {"variant", variant.name},
-                        {"set", variant.set},
-                        {"frames", series.frames},
-                        {"degrees", series.degrees},
-                        {"size", series.error},
-                        {"temporal_flip", flip}});
-        std::fprintf(stderr, "  %-12s %-8s orbit %-28s %.5f\n", scene.c_str(), camera.c_str(), variant.name.c_str(),
-                     flip);
     }
     return rows;
 }
@@ -259,15 +250,21 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
         const auto take = [&](const json& some) { rows.insert(rows.end(), some.begin(), some.end()); };
         for (const std::string& scene : series.scenes)
             for (const std::string& camera : series.cameras) {
-                if (series.kind == "orbit") take(orbitRows(device, series, scene, camera, truth));
-                if (series.kind == "seams" || series.kind == "motion") {
-                    std::vector<SeenCase> cases;
+                if (series.kind == "seams") {
+                    std::vector<SeamCase> cases;
                     for (const Variant& variant : series.variants)
                         cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
-                    const glm::uvec2 size = sizeOf(series.error);
-                    take(series.kind == "seams"
-                             ? seamRows(device, cases, size, series.ticks)
-                             : motionRows(device, cases, size, std::max(series.frames, 3u), series.ticks));
+                    take(seamRows(device, cases, sizeOf(series.error), series.ticks));
+                }
+                if (series.kind == "motion") {
+                    std::vector<MotionCase> cases;
+                    for (const Variant& variant : series.variants)
+                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    Motion motion = series.motion;
+                    motion.errors = !series.error.empty();
+                    motion.size = sizeOf(motion.errors ? series.error : series.sizes.front());
+                    motion.every = series.every, motion.ticks = series.ticks, motion.beside = besideOf(series);
+                    take(motionRows(device, cases, motion, truth));
                 }
                 if (series.kind == "phase") {
                     std::vector<PhaseCase> cases;
@@ -297,6 +294,7 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                           {"kind", series.kind},
                           {"error", series.error},
                           {"every", series.every},
+                          {"beside", series.beside},
                           {"baseline", series.baseline.empty() ? series.variants.front().name : series.baseline},
                           {"published_on", series.published_on},
                           {"set", series.set},

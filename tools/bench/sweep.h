@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "server/gpu/device.h"
+#include "tools/bench/motion.h"
 #include "tools/bench/truth.h"
 
 namespace brume::bench {
@@ -24,7 +25,7 @@ struct Variant {
 
 struct Series {
     std::string name, about;
-    std::string kind = "cost"; // cost | jpeg | light | orbit | seams | motion
+    std::string kind = "cost"; // cost | jpeg | light | seams | motion
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     float apart = 0; // degrees that each viewer is turned from the one before; 0: they stand evenly around the target
@@ -35,8 +36,8 @@ struct Series {
     std::string published_on; // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
-    uint32_t frames = 0;                // kinds orbit and motion: frames
-    float degrees = 0;                  // kind orbit: degrees per frame
+    std::string beside;                 // kinds cost and motion: variant whose pictures are the truth; empty: none's
+    Motion motion;                      // kind motion
 };
 
 struct Effort {

@@ -1,12 +1,10 @@
-#include "tools/bench/seen_error.h"
+#include "tools/bench/seams.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
-
-#include "tools/bench/error.h"
 
 namespace brume::bench {
 namespace {
@@ -50,27 +48,15 @@ Case with(Case wanted, std::initializer_list<const char*> set) {
     return wanted;
 }
 
-// Particles around the view axis are pushed, and move from the first frame on.
-std::vector<RadianceImage> moving(Stage& stage, glm::uvec2 size, uint32_t frames) {
-    const Pose& pose = stage.pose();
-    const Command pushed{.body = Impulse{pose.position, pose.orientation * glm::vec3(0, 0, -1)}};
-    std::vector<RadianceImage> all;
-    for (uint32_t i = 0; i < frames; ++i) {
-        stage.step({&pushed, i == 0 ? 1u : 0u});
-        all.push_back(stage.picture(pose, size));
-    }
-    return all;
-}
-
-json rowOf(const SeenCase& one) {
+json rowOf(const SeamCase& one) {
     return {{"scene", one.wanted.scene}, {"camera", one.wanted.camera}, {"variant", one.name}, {"set", one.wanted.set}};
 }
 
 } // namespace
 
-json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t ticks) {
+json seamRows(const gpu::Device& device, const std::vector<SeamCase>& cases, glm::uvec2 size, uint32_t ticks) {
     json rows = json::array();
-    for (const SeenCase& one : cases) {
+    for (const SeamCase& one : cases) {
         Stage stage(device, one.wanted, ticks), whole(device, with(one.wanted, {"render.method=sphere"}), ticks);
         const std::vector<double> all = kinks(stage.picture(stage.pose(), size), whole.picture(whole.pose(), size));
         const auto seams = std::ranges::count_if(all, [](double kink) { return kink > kSeam; });
@@ -82,42 +68,6 @@ json seamRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm
         std::fprintf(stderr, "  %-12s %-8s seams %-32s %.3f %% of pixels, p99 %.3f %%\n", one.wanted.scene.c_str(),
                      one.wanted.camera.c_str(), one.name.c_str(), 100 * row["seams"].get<double>(),
                      100 * row["kink_p99"].get<double>());
-        rows.push_back(std::move(row));
-    }
-    return rows;
-}
-
-json motionRows(const gpu::Device& device, const std::vector<SeenCase>& cases, glm::uvec2 size, uint32_t frames,
-                uint32_t ticks) {
-    // Cases are alike but for the map.
-    Stage finest(device, with(cases.front().wanted, {"render.shadow_size=512", "render.shadow_slices=128"}), ticks);
-    const std::vector<RadianceImage> exact = moving(finest, size, frames);
-    json rows = json::array();
-    for (const SeenCase& one : cases) {
-        Stage stage(device, one.wanted, ticks);
-        const std::vector<RadianceImage> seen = moving(stage, size, frames);
-        const DisplaySettings display = displayOf(stage.scene().render);
-        std::vector<std::vector<double>> errors;
-        double flicker = 0, values = 0;
-        for (uint32_t i = 0; i < frames; ++i) {
-            const std::vector<double> a = luminances(seen[i]), b = luminances(exact[i]);
-            std::vector<double>& of_frame = errors.emplace_back();
-            for (size_t p = 0; p < a.size(); ++p) of_frame.push_back(a[p] - b[p]), values += b[p] * b[p];
-            if (i < 2) continue;
-            for (size_t p = 0; p < a.size(); ++p) {
-                const double bend = errors[i - 2][p] - 2 * errors[i - 1][p] + errors[i][p];
-                flicker += bend * bend;
-            }
-        }
-        json row = rowOf(one);
-        row.update({{"frames", frames},
-                    {"temporal_flip", temporalFlip(seen, exact, display)},
-                    {"flicker", std::sqrt(flicker / (frames - 2) / (values / frames))},
-                    {"relative_rmse", mediumError(seen.back(), exact.back(), display).medium.relative_rmse}});
-        std::fprintf(stderr, "  %-12s %-8s motion %-20s error %.4f %%, flicker %.5f %%, FLIP %.6f\n",
-                     one.wanted.scene.c_str(), one.wanted.camera.c_str(), one.name.c_str(),
-                     100 * row["relative_rmse"].get<double>(), 100 * row["flicker"].get<double>(),
-                     row["temporal_flip"].get<double>());
         rows.push_back(std::move(row));
     }
     return rows;
