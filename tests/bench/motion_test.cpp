@@ -127,8 +127,8 @@ Motion fewFrames(const char* mover) {
     return motion;
 }
 
-MotionCase caseOf(const char* name, std::vector<std::string> set) {
-    MotionCase one{name, smallCloud()};
+NamedCase caseOf(const char* name, std::vector<std::string> set) {
+    NamedCase one{name, smallCloud()};
     one.wanted.set.insert(one.wanted.set.end(), set.begin(), set.end());
     return one;
 }
@@ -169,7 +169,7 @@ TEST_F(MotionRows, EachMoverMovesAndAVariantBesideItselfErrsByNothing) {
 TEST_F(MotionRows, TheLampGoesRoundWhereThereIsOne) {
     Truth truth(folder("motion-lamp"));
     EXPECT_THROW(motionRows(device(), {caseOf("cloud", {})}, fewFrames("lamp"), truth), SceneError);
-    MotionCase one{"lamp", {}};
+    NamedCase one{"lamp", {}};
     one.wanted.scene = "smoke-spots";
     Motion motion = fewFrames("lamp");
     motion.beside = 0, motion.ticks = 60, motion.lead = 0, motion.frames = 3;
@@ -196,15 +196,17 @@ TEST_F(MotionRows, AFlightHasTimesOfItsPlaces) {
 TEST_F(MotionRows, CostsBesideAVariant) {
     const std::filesystem::path here = folder("beside");
     Truth truth(here);
-    Series series{.name = "s", .about = "", .scenes = {"cloud"}, .sizes = {"48x27"}, .error = "48x27", .variants = {}};
+    Series series{.name = "s", .about = "", .scenes = {"cloud"}, .sizes = {"48x27"}, .error = "", .variants = {}};
     series.set = {"medium.count=40"};
     series.variants = {{.name = "isv", .set = {"render.method=isv"}, .size = {}},
                        {.name = "sphere", .set = {"render.method=sphere"}, .size = {}}};
     series.beside = "sphere";
     const nlohmann::json rows = runSweep(device(), {series}, truth, {.seconds = 0, .least = 1, .only = ""})[0]["rows"];
-    EXPECT_GT(rows[0]["error"]["relative_rmse"], 0.001);
-    EXPECT_EQ(rows[1]["error"]["relative_rmse"], 0);
-    EXPECT_EQ(rows[1]["error"]["flip"], 0);
+    EXPECT_GT(rows[0]["beside"]["relative_rmse"], 0.001);
+    EXPECT_GT(rows[0]["beside"]["above_ten"], 0);
+    EXPECT_EQ(rows[1]["beside"]["relative_rmse"], 0);
+    EXPECT_EQ(rows[1]["beside"]["flip"], 0);
+    EXPECT_EQ(rows[1]["beside"]["above_ten"], 0);
     EXPECT_TRUE(std::filesystem::is_empty(here)) << "no reference is made";
 }
 

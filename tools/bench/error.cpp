@@ -92,6 +92,17 @@ nlohmann::json toJson(const MediumError& error) {
             {"edges", {{"relative_rmse", error.edges.relative_rmse}, {"share", error.edgeShare()}}}};
 }
 
+double partAbove(const RadianceImage& value, const RadianceImage& reference, const DisplaySettings& display,
+                 int levels) {
+    const std::vector<glm::u8vec3> shown = displayed(value, display), right = displayed(reference, display);
+    size_t above = 0;
+    for (size_t i = 0; i < shown.size(); ++i) {
+        const glm::ivec3 off = glm::abs(glm::ivec3(shown[i]) - glm::ivec3(right[i]));
+        above += std::max({off.x, off.y, off.z}) > levels;
+    }
+    return double(above) / double(shown.size());
+}
+
 DisplaySettings displayOf(const RenderSettings& settings) { return {settings.exposure, settings.tone_map == "filmic"}; }
 
 } // namespace brume::bench

@@ -40,6 +40,10 @@ nlohmann::json toJson(const MediumError& error);
 // "0.28 %; edges 11 % of 4.4 % of the pixels".
 std::string inShort(const MediumError& error);
 
+// The part of all pixels of which a channel, as a display shows it, differs by more than `levels` of 255.
+double partAbove(const RadianceImage& value, const RadianceImage& reference, const DisplaySettings& display,
+                 int levels);
+
 // What the scene does to radiance before it is shown.
 DisplaySettings displayOf(const RenderSettings& settings);
 // Settings that leave the medium and its objects alone: no sky, no ambient light, no haze.

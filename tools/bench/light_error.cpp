@@ -35,10 +35,10 @@ Map mapOf(const Stage& stage) {
 
 } // namespace
 
-json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, glm::uvec2 size, const Effort& effort) {
+json lightRows(const gpu::Device& device, const std::vector<NamedCase>& cases, glm::uvec2 size, const Effort& effort) {
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<std::vector<double>> times(cases.size());
-    for (const LightCase& one : cases) {
+    for (const NamedCase& one : cases) {
         stages.push_back(std::make_unique<Stage>(device, one.wanted));
         stages.back()->frame(); // compiles shaders, fits buffers
     }

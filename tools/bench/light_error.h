@@ -7,15 +7,10 @@
 
 namespace brume::bench {
 
-struct LightCase {
-    std::string name;
-    Case wanted;
-};
-
 // One row per case; frames of all cases are timed in turns. A row holds the map's size, the median time of its pass,
 // the estimated error (ShadowResolution::error), and the errors of pictures of `size`. These are compared with
 // pictures by the same method, but with 512 x 512 texels and 128 planes.
-nlohmann::json lightRows(const gpu::Device& device, const std::vector<LightCase>& cases, glm::uvec2 size,
+nlohmann::json lightRows(const gpu::Device& device, const std::vector<NamedCase>& cases, glm::uvec2 size,
                          const Effort& effort);
 
 } // namespace brume::bench

@@ -143,11 +143,11 @@ std::vector<Seen> seenBy(const std::vector<std::unique_ptr<Moving>>& all, const 
 
 } // namespace
 
-json motionRows(const gpu::Device& device, const std::vector<MotionCase>& cases, const Motion& motion, Truth& truth) {
+json motionRows(const gpu::Device& device, const std::vector<NamedCase>& cases, const Motion& motion, Truth& truth) {
     json rows = json::array();
     for (const std::string& mover : motion.movers) {
         std::vector<std::unique_ptr<Moving>> all;
-        for (const MotionCase& one : cases) all.push_back(std::make_unique<Moving>(device, one.wanted, motion, mover));
+        for (const NamedCase& one : cases) all.push_back(std::make_unique<Moving>(device, one.wanted, motion, mover));
         const std::vector<Seen> seen = seenBy(all, motion, truth);
         for (size_t i = 0; i < cases.size(); ++i) {
             json row = {{"scene", cases[i].wanted.scene},

@@ -34,14 +34,9 @@ struct Motion {
     std::optional<size_t> beside; // the case whose pictures are the truth; nothing: the reference
 };
 
-struct MotionCase {
-    std::string name; // of the variant
-    Case wanted;
-};
-
 // A row for each mover and case, with MotionErrors, and mean, deviation and variance of the device's ms; with places
 // also of the frames nearest to each. Throws SceneError for a lamp where there is none.
-nlohmann::json motionRows(const gpu::Device& device, const std::vector<MotionCase>& cases, const Motion& motion,
+nlohmann::json motionRows(const gpu::Device& device, const std::vector<NamedCase>& cases, const Motion& motion,
                           Truth& truth);
 
 } // namespace brume::bench

@@ -10,9 +10,9 @@
 
 namespace brume::bench {
 
-nlohmann::json phaseRows(const gpu::Device& device, const std::vector<PhaseCase>& cases, glm::uvec2 size) {
+nlohmann::json phaseRows(const gpu::Device& device, const std::vector<NamedCase>& cases, glm::uvec2 size) {
     nlohmann::json rows = nlohmann::json::array();
-    for (const PhaseCase& one : cases) {
+    for (const NamedCase& one : cases) {
         Stage stage(device, one.wanted);
         const RadianceImage exact = stage.picture(stage.pose(), size);
         const double g = double(stage.scene().medium.asymmetry);

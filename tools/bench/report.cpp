@@ -103,6 +103,8 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
         std::vector<std::string> heads = {"variant",    "medium, ms",     "times faster", "picture, ms", "times faster",
                                           "shared, ms", "wall, ms (p95)", "fragments",    "device, MiB"};
         if (errors) heads.insert(heads.end(), {"relative RMSE", "at edges", "bias", "FLIP", "worst pixel"});
+        const bool beside = !rows.empty() && rows.front().contains("beside");
+        if (beside) heads.insert(heads.end(), {"beside", "FLIP beside"});
         if (published) heads.insert(heads.end(), {"published, ms", "published, times faster"});
         Table table(heads);
         std::map<std::string, int> groups; // "isv, Simpson 2" has isv's colour
@@ -135,6 +137,9 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
                     groups.try_emplace(variant.substr(0, variant.find(',')), int(groups.size()));
                 plot.points.push_back({variant, ms, 100 * rmse, group->second});
             }
+            if (beside)
+                cells.insert(cells.end(), {digits(numberAt(row, "/beside/relative_rmse"), 100, " %"),
+                                           digits(numberAt(row, "/beside/flip"))});
             const double theirs = numberAt(row, "/published_ms");
             if (published) cells.insert(cells.end(), {digits(theirs), digits(published_base / theirs)});
             table.line(cells);
@@ -150,11 +155,20 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
 }
 
 std::string jpegTable(const json& series) {
-    Table table({"picture", "quality", "bytes", "encode, ms", "PSNR, dB", "FLIP"});
+    Table table({"picture", "variant", "quality", "bytes", "encode, ms", "PSNR, dB", "FLIP"});
     for (const json& row : series.at("rows"))
-        table.line({place(row), whole(numberAt(row, "/quality")), whole(numberAt(row, "/bytes")),
+        table.line({place(row), row.at("variant"), whole(numberAt(row, "/quality")), whole(numberAt(row, "/bytes")),
                     digits(numberAt(row, "/encode_ms")), digits(numberAt(row, "/psnr")),
                     digits(numberAt(row, "/flip"))});
+    return table.text() + "\n";
+}
+
+std::string phaseTable(const json& series) {
+    Table table({"picture", "variant", "relative RMSE", "FLIP", "ratio of the two"});
+    for (const json& row : series.at("rows"))
+        table.line({place(row), row.at("variant"), digits(numberAt(row, "/beside/relative_rmse"), 100, " %"),
+                    digits(numberAt(row, "/beside/flip")),
+                    digits(numberAt(row, "/least_ratio")) + " to " + digits(numberAt(row, "/most_ratio"))});
     return table.text() + "\n";
 }
 
@@ -261,6 +275,7 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
         const std::string kind = series.at("kind");
         out += kind == "jpeg"     ? jpegTable(series)
                : kind == "light"  ? lightTable(series)
+               : kind == "phase"  ? phaseTable(series)
                : kind == "seams"  ? seamTable(series)
                : kind == "motion" ? motionTable(series)
                                   : costTables(series, folder, name);

@@ -48,15 +48,15 @@ Case with(Case wanted, std::initializer_list<const char*> set) {
     return wanted;
 }
 
-json rowOf(const SeamCase& one) {
+json rowOf(const NamedCase& one) {
     return {{"scene", one.wanted.scene}, {"camera", one.wanted.camera}, {"variant", one.name}, {"set", one.wanted.set}};
 }
 
 } // namespace
 
-json seamRows(const gpu::Device& device, const std::vector<SeamCase>& cases, glm::uvec2 size, uint32_t ticks) {
+json seamRows(const gpu::Device& device, const std::vector<NamedCase>& cases, glm::uvec2 size, uint32_t ticks) {
     json rows = json::array();
-    for (const SeamCase& one : cases) {
+    for (const NamedCase& one : cases) {
         Stage stage(device, one.wanted, ticks), whole(device, with(one.wanted, {"render.method=sphere"}), ticks);
         const std::vector<double> all = kinks(stage.picture(stage.pose(), size), whole.picture(whole.pose(), size));
         const auto seams = std::ranges::count_if(all, [](double kink) { return kink > kSeam; });

@@ -23,6 +23,11 @@ struct Case {
     SceneFeatures besides = {}; // compiled into shaders though the scene lacks them
 };
 
+struct NamedCase {
+    std::string name; // of the variant of a series
+    Case wanted;
+};
+
 // Loads the scene with the case's settings. Throws SceneError, also for an unknown method.
 Scene sceneOf(const Case& wanted);
 

@@ -32,7 +32,7 @@ void readVariant(TableReader& in, Variant& out) {
 }
 
 // The variant whose pictures the others are compared with; nothing: they are compared with the reference.
-std::optional<size_t> besideOf(const Series& series) {
+std::optional<size_t> besideIn(const Series& series) {
     for (size_t i = 0; i < series.variants.size(); ++i)
         if (!series.beside.empty() && series.variants[i].name == series.beside) return i;
     return std::nullopt;
@@ -67,7 +67,7 @@ void readSeries(TableReader& in, Series& out) {
     in.tables("variant", out.variants, {1, 100}, readVariant);
     if (out.variants.empty()) out.variants.push_back({.name = "default", .set = {}, .size = {}});
     in.text("beside", out.beside, 64);
-    if (!out.beside.empty() && !besideOf(out))
+    if (!out.beside.empty() && !besideIn(out))
         in.fail("beside", '"' + out.beside + "\" is no variant", "a name of one");
 }
 
@@ -78,7 +78,8 @@ Case caseOf(const Series& series, const Variant& variant, const std::string& sce
     wanted.lights = variant.lights;
     wanted.apart = series.apart;
     wanted.set = series.set;
-    if (!series.error.empty()) wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
+    if (!series.error.empty() || !series.beside.empty())
+        wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
     wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
     return wanted;
 }
@@ -154,6 +155,13 @@ bool isOfMedium(const FrameCost::Pass& pass) { return !pass.shared && ofMedium(p
 bool isOfViews(const FrameCost::Pass& pass) { return !pass.shared; }
 bool isAny(const FrameCost::Pass&) { return true; }
 
+// A picture beside another of the same size, without sky and ambient light: all pixels that show the medium.
+json besideOf(const RadianceImage& picture, const RadianceImage& other, const DisplaySettings& display) {
+    json out = toJson(mediumError(picture, other, display));
+    out["above_ten"] = partAbove(picture, other, display, 10);
+    return out;
+}
+
 // All variants of one place, their frames in turns: what disturbs the machine disturbs all alike.
 json costRows(const gpu::Device& device, const Series& series, const std::string& scene, const std::string& camera,
               const std::string& size, const std::string& viewers, Truth& truth, const Effort& effort) {
@@ -174,6 +182,11 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
             all_done = false;
         }
     }
+    const std::optional<size_t> beside = besideIn(series);
+    std::vector<RadianceImage> pictures;
+    if (beside)
+        for (const std::unique_ptr<Stage>& stage : stages)
+            pictures.push_back(stage->picture(stage->pose(), sizeOf(size)));
     json rows = json::array();
     const auto named = [&](const Variant& v) { return v.name == series.baseline; };
     const auto chosen = std::ranges::find_if(series.variants, named);
@@ -202,14 +215,16 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         std::string said; // of the error
         if (!series.error.empty()) {
             const glm::uvec2 small = sizeOf(series.error);
-            const auto own = [&](Stage& of) { return thinned(of.picture(of.pose(), small), series.every); };
-            const std::optional<size_t> beside = besideOf(series);
-            const RadianceImage exact =
-                beside ? own(*stages[*beside]) : truth.of(stage, stage.pose(), small, series.every);
-            const MediumError error =
-                mediumError(beside == i ? exact : own(stage), exact, displayOf(stage.scene().render));
+            const RadianceImage exact = truth.of(stage, stage.pose(), small, series.every);
+            const MediumError error = mediumError(thinned(stage.picture(stage.pose(), small), series.every), exact,
+                                                  displayOf(stage.scene().render));
             row["error"] = toJson(error);
             said = inShort(error);
+        }
+        if (beside) {
+            row["beside"] = besideOf(pictures[i], pictures[*beside], displayOf(stage.scene().render));
+            said +=
+                fmt::format("  beside {}: {:.3g} %", series.beside, 100 * row["beside"]["relative_rmse"].get<double>());
         }
         std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms  %s\n", scene.c_str(), camera.c_str(),
                      size.c_str(), viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>(),
@@ -250,32 +265,23 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
         const auto take = [&](const json& some) { rows.insert(rows.end(), some.begin(), some.end()); };
         for (const std::string& scene : series.scenes)
             for (const std::string& camera : series.cameras) {
+                std::vector<NamedCase> cases;
+                for (const Variant& variant : series.variants)
+                    cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                 if (series.kind == "seams") {
-                    std::vector<SeamCase> cases;
-                    for (const Variant& variant : series.variants)
-                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     take(seamRows(device, cases, sizeOf(series.error), series.ticks));
                 }
                 if (series.kind == "motion") {
-                    std::vector<MotionCase> cases;
-                    for (const Variant& variant : series.variants)
-                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     Motion motion = series.motion;
                     motion.errors = !series.error.empty();
                     motion.size = sizeOf(motion.errors ? series.error : series.sizes.front());
-                    motion.every = series.every, motion.ticks = series.ticks, motion.beside = besideOf(series);
+                    motion.every = series.every, motion.ticks = series.ticks, motion.beside = besideIn(series);
                     take(motionRows(device, cases, motion, truth));
                 }
                 if (series.kind == "phase") {
-                    std::vector<PhaseCase> cases;
-                    for (const Variant& variant : series.variants)
-                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     take(phaseRows(device, cases, sizeOf(series.error)));
                 }
                 if (series.kind == "light") {
-                    std::vector<LightCase> cases;
-                    for (const Variant& variant : series.variants)
-                        cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
                     take(lightRows(device, cases, sizeOf(series.error), effort));
                 }
                 if (series.kind != "cost" && series.kind != "jpeg") continue;

@@ -25,7 +25,7 @@ struct Variant {
 
 struct Series {
     std::string name, about;
-    std::string kind = "cost"; // cost | jpeg | light | seams | motion
+    std::string kind = "cost"; // cost | jpeg | light | phase | seams | motion
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     float apart = 0; // degrees that each viewer is turned from the one before; 0: they stand evenly around the target
@@ -36,8 +36,9 @@ struct Series {
     std::string published_on; // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
-    std::string beside;                 // kinds cost and motion: variant whose pictures are the truth; empty: none's
-    Motion motion;                      // kind motion
+    // Kind cost: variant beside whose pictures the others are measured, too. Kind motion: the one that is the truth.
+    std::string beside;
+    Motion motion; // kind motion
 };
 
 struct Effort {

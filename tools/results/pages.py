@@ -9,6 +9,7 @@ import re
 import sys
 import tomllib
 
+import audit
 import figures
 import kept
 import prose
@@ -16,7 +17,7 @@ import tables
 
 PAGES = kept.ROOT / 'docs' / 'results'
 HEAD = re.compile(r'<!-- page\n(.*?)-->', re.S)
-BLOCK = re.compile(r'(<!-- (table|figure|made)\n(.*?)-->\n)(.*?)(<!-- end -->)', re.S)
+BLOCK = re.compile(r'(<!-- (table|figure|made|counts)\n(.*?)-->\n)(.*?)(<!-- end -->)', re.S)
 
 
 def made(data):
@@ -38,11 +39,13 @@ def renewed(path, files):
 
     def block(found):
         kind, spec = found[2], tomllib.loads(found[3])
-        data = spec.get('data', datas[0])
-        used.add(data)
+        data = spec.get('data', datas[0] if datas else '')
+        used.update({data} - {''})
         try:
             if kind == 'made':
                 body = made(data)
+            elif kind == 'counts':
+                body = tables.markdown(*audit.counts(text))
             elif kind == 'figure':
                 files[PAGES / spec['file']] = figures.svg(spec, data, names)
                 body = f'![{spec["title"]}]({spec["file"]})'
