@@ -10,6 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "server/sim/point_cloud.h"
+#include "tools/bench/stand.h"
 
 namespace brume::bench {
 namespace {
@@ -60,6 +61,22 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
                              "\"; there are: outside, inside, a distance like 20m, x,y,z, x,y,z:x,y,z");
 }
 
+std::vector<Pose> posesOf(const Case& wanted, const Scene& scene, const Simulation& simulation) {
+    const Stand& stand = wanted.stand;
+    if (stand.inside) return standInside(scene, simulation.bounds(), wanted.viewers);
+    const Pose first = poseOf(wanted.camera, scene, simulation);
+    std::vector<Pose> poses(wanted.viewers, first);
+    for (uint32_t i = 0; i < wanted.viewers; ++i)
+        if (stand.eyes_apart > 0)
+            poses[i].position += float(i) * stand.eyes_apart * (first.orientation * glm::vec3(1, 0, 0));
+        else if (stand.apart > 0)
+            poses[i] = turnedAbout(first, first.position, glm::radians(stand.apart) * float(i));
+        else
+            poses[i] = turnedAbout(first, scene.camera.target,
+                                   2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers));
+    return poses;
+}
+
 bool isMediumAlone(const Scene& scene) {
     const glm::vec3 none(0);
     return scene.sky.zenith == none && scene.sky.horizon == none && scene.sky.ambient == none;
@@ -78,16 +95,9 @@ Stage::Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks, cons
     : device_(device), bytes_before_(device.memoryInUse()), scene_(sceneOf(wanted)),
       simulation_(stepped(scene_, ticks)), renderer_(device, scene_, simulation_.capacity(), wanted.besides),
       submission_(device, "bench") {
-    const Pose first = poseOf(wanted.camera, scene_, simulation_);
-    for (uint32_t i = 0; i < wanted.viewers; ++i) {
-        const bool around = wanted.apart == 0;
-        const float angle = around ? 2 * std::numbers::pi_v<float> * float(i) / float(wanted.viewers)
-                                   : glm::radians(wanted.apart) * float(i);
-        eyes_.push_back({.pose = turnedAbout(first, around ? scene_.camera.target : first.position, angle),
-                         .width = wanted.size.x,
-                         .height = wanted.size.y,
-                         .history = i + 1});
-    }
+    for (const Pose& pose : posesOf(wanted, scene_, simulation_))
+        eyes_.push_back(
+            {.pose = pose, .width = wanted.size.x, .height = wanted.size.y, .history = uint64_t(eyes_.size() + 1)});
     PlanInputs inputs{.scene = planScene(scene_, simulation_), .methods = allMethods()};
     for (const EyeRequest& eye : eyes_) inputs.views.push_back({eye.pose, eye.width, eye.height});
     plan_ = makePlan(inputs, costs);

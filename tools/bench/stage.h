@@ -12,13 +12,20 @@
 
 namespace brume::bench {
 
+// Where several viewers stand: evenly around the target, unless one of these says otherwise.
+struct Stand {
+    bool inside = false;  // True: in free places within the scene (standInside()), and not where the camera is
+    float apart = 0;      // degrees that each is turned from the one before, all in one place
+    float eyes_apart = 0; // m that each is to the right of the one before, all with one direction
+};
+
 struct Case {
     std::string scene = "cloud";    // name of a shipped scene, or a path
     std::vector<std::string> set;   // key=value, replaces the scene's value
     std::string camera = "outside"; // see poseOf()
     glm::uvec2 size{640, 360};
-    uint32_t viewers = 1;       // evenly around the target, or
-    float apart = 0;            // degrees that each is turned from the one before, all in one place; 0: around it
+    uint32_t viewers = 1;
+    Stand stand;
     uint32_t lights = 0;        // the first ones of the scene's lights; 0: all
     SceneFeatures besides = {}; // compiled into shaders though the scene lacks them
 };
@@ -40,6 +47,9 @@ Pose poseOf(const std::string& camera, const Scene& scene, const Simulation& sim
 
 // The pose rotated by `angle` (rad) about a vertical axis through `target`.
 Pose turnedAbout(const Pose& pose, glm::vec3 target, float angle);
+
+// Of all viewers. Throws as poseOf() and standInside() do.
+std::vector<Pose> posesOf(const Case& wanted, const Scene& scene, const Simulation& simulation);
 
 // True: neither sky nor ambient light, RadianceImage::medium_alone.
 bool isMediumAlone(const Scene& scene);

@@ -38,6 +38,16 @@ std::optional<size_t> besideIn(const Series& series) {
     return std::nullopt;
 }
 
+void readStand(TableReader& in, Stand& out) {
+    static constexpr std::string_view kStands[]{"around", "inside"};
+    if (const auto stand = in.choice("stand", kStands)) out.inside = kStands[*stand] == "inside";
+    in.number("apart", out.apart, {0, 360});
+    in.number("eyes_apart", out.eyes_apart, limits::kEyeSeparation, "m");
+    if (int(out.inside) + int(out.apart > 0) + int(out.eyes_apart > 0) > 1)
+        in.fail(out.inside ? "stand" : "apart", "viewers stand in more than one way",
+                "one of stand = \"inside\", apart and eyes_apart");
+}
+
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
@@ -47,7 +57,7 @@ void readSeries(TableReader& in, Series& out) {
     in.texts("cameras", out.cameras);
     in.texts("sizes", out.sizes);
     in.texts("viewers", out.viewers);
-    in.number("apart", out.apart, {0, 360});
+    readStand(in, out.stand);
     in.integer("ticks", out.ticks, {0, 100000});
     in.texts("set", out.set);
     in.text("error", out.error, 16);
@@ -76,7 +86,7 @@ Case caseOf(const Series& series, const Variant& variant, const std::string& sce
     wanted.scene = scene;
     wanted.camera = camera;
     wanted.lights = variant.lights;
-    wanted.apart = series.apart;
+    wanted.stand = series.stand;
     wanted.set = series.set;
     if (!series.error.empty() || !series.beside.empty())
         wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
@@ -198,7 +208,7 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                                 {"views", ratioOf(costs[i].times(isOfViews), base.times(isOfViews))},
                                 {"frame", ratioOf(costs[i].times(isAny), base.times(isAny))}};
         row.update({{"scene", scene},
-                    {"camera", camera},
+                    {"camera", series.stand.inside ? "all inside" : camera},
                     {"size", size},
                     {"viewers", std::stoul(viewers)},
                     {"variant", series.variants[i].name},

@@ -11,6 +11,7 @@
 
 #include "server/gpu/device.h"
 #include "tools/bench/motion.h"
+#include "tools/bench/stage.h"
 #include "tools/bench/truth.h"
 
 namespace brume::bench {
@@ -28,12 +29,12 @@ struct Series {
     std::string kind = "cost"; // cost | jpeg | light | phase | seams | motion
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
-    float apart = 0; // degrees that each viewer is turned from the one before; 0: they stand evenly around the target
-    uint32_t ticks = 0;       // simulated before the first frame
-    std::string error;        // size of the pictures whose error is measured; empty: no errors
-    uint32_t every = 1;       // errors: only every so many-th pixel is compared; odd, divides the size
-    std::string baseline;     // variant that the report compares the others with; empty: the first
-    std::string published_on; // device of the published figures
+    Stand stand;                  // of the viewers
+    uint32_t ticks = 0;           // simulated before the first frame
+    std::string error;            // size of the pictures whose error is measured; empty: no errors
+    uint32_t every = 1;           // errors: only every so many-th pixel is compared; odd, divides the size
+    std::string baseline;         // variant that the report compares the others with; empty: the first
+    std::string published_on;     // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
     // Kind cost: variant beside whose pictures the others are measured, too. Kind motion: the one that is the truth.
