@@ -14,7 +14,7 @@ inline constexpr std::string_view kSpriteMaps[]{"baked", "even", "files"};
 inline constexpr std::string_view kDithers[]{"none", "white", "bayer4", "bayer8", "ign", "blue"};
 inline constexpr std::string_view kJitters[]{"offset", "stratified", "opacity"};
 inline constexpr std::string_view kBlurs[]{"none", "row14", "printed", "box8"};
-inline constexpr std::string_view kShadowsOfFroxels[]{"map", "ray", "grid", "hybrid"};
+inline constexpr std::string_view kShadowsOfFroxels[]{"none", "map", "ray", "grid", "hybrid"};
 inline constexpr std::string_view kVoxelValues[]{"bits", "coverage"};
 inline constexpr std::string_view kVoxelLookups[]{"nearest", "linear"};
 inline constexpr std::string_view kInterpolations[]{"exact", "rbf", "gradient", "nested"};
@@ -60,7 +60,7 @@ inline constexpr SceneSetting kMethodSettings[]{
      kOperators},
     {"render.froxels.shadows", at<&P::render, &R::froxels, &FroxelSettings::shadows>, "", kNone,
      "`froxels`: whether objects shadow a place in the medium is asked of a shadow `map`, by a `ray`, from the shared "
-     "shadow `grid`, or `hybrid`: from the shadow frustum near the eye, and from the grid behind it",
+     "shadow `grid`, or `hybrid`: from the shadow frustum near the eye, and from the grid behind it. `none`: not asked",
      kOperators, Form::plain, kShadowsOfFroxels},
     {"render.shadow_grid.voxel", at<&P::render, &R::shadow_grid, &ShadowGridSettings::voxel>, "m", limits::kVoxel,
      "Width of a voxel; `auto`: 1/200 of the longest side of what the grid covers", kNobody, Form::or_auto},

@@ -45,7 +45,7 @@ struct FroxelSettings {
     uint32_t slices = 128;       // along every ray, 8...512
     bool jitter = false;         // froxels. True: each tick's samples lie elsewhere within their slices
     float history = 0;           // froxels: part of a cell's light that is kept from an eye's last picture, up to 0.98
-    std::string shadows = "ray"; // froxels: how objects shadow the medium: map | ray | grid | hybrid
+    std::string shadows = "ray"; // froxels: how objects shadow the medium: none | map | ray | grid | hybrid
 
     bool operator==(const FroxelSettings&) const = default;
 };

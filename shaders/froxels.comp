@@ -74,10 +74,12 @@ float litBySlot(uint slot, vec3 x, vec3 toward) {
 vec3 addedPart(uint i, vec3 x, vec3 away, float distance) { return vec3(arrivingPart(i, x, away, distance)); }
 
 float litPart(uint i, vec3 x, vec3 away) {
+    if (kShadows == kShadowsNone) return 1;
     return litBySlot(kShadows < kShadowsByGrid ? kNoShadowSlot : slot_of_light[i], x, -away);
 }
 
 float sunlitPart(vec3 x) {
+    if (kShadows == kShadowsNone) return 1;
     if (kShadows == kShadowsByMap) return sunlitByMap(x);
     return litBySlot(shadow_grid.sun, x, kFarAway * tick.sun.to_light);
 }

@@ -14,6 +14,7 @@ const uint kShadowsByMap = 0u; // of the sun; rays for points and spots, which h
 const uint kShadowsByRay = 1u;
 const uint kShadowsByGrid = 2u;
 const uint kShadowsHybrid = 3u; // frustum near the eye, grid behind it
+const uint kShadowsNone = 4u;   // not asked: what shadows cost is the difference
 
 // A band of rows of rays. Ray (x, y) passes through the middle of pixel
 // pixels * (x, y).

@@ -134,6 +134,29 @@ TEST_F(FroxelsTest, AFurnaceHasNoColour) {
     }
 }
 
+// A box behind the eye shadows the fog before it by rays, and does not where shadows are not asked.
+TEST_F(FroxelsTest, WithoutShadowsObjectsShadowNothing) {
+    Scene scene = emptyScene();
+    scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
+    scene.lights = {{.to_light = glm::normalize(glm::vec3(0, 0.4f, 1))}, point({0, 1, 12})};
+    // What slices reach is told by these two, whatever else there is.
+    scene.spheres = {{{20, 20, 20}, 0.1f, glm::vec3(0.5f)}, {{-20, -20, -20}, 0.1f, glm::vec3(0.5f)}};
+    Scene shadowed = scene;
+    shadowed.boxes = {{{0, 0, 8}, {6, 6, 1}, 0, glm::vec3(0.5f)}};
+    const Pose eye = lookAt({0, 0, 4}, {0, 0, -5}, 0.8f);
+    const auto seen = [&](Scene& of, const char* shadows) {
+        of.render.method = "froxels";
+        of.render.froxels.shadows = shadows;
+        return render(device(), of, eye, 48, 27).pixels;
+    };
+    const auto lit = seen(scene, "none"), still_lit = seen(shadowed, "none"), dark = seen(shadowed, "ray"),
+               rays = seen(scene, "ray");
+    EXPECT_EQ(still_lit, lit);
+    const size_t middle = 13 * 48 + 24;
+    EXPECT_NEAR(rays[middle].r / lit[middle].r, 1, 1e-3);
+    EXPECT_LT(dark[middle].r, 0.8f * lit[middle].r);
+}
+
 // What one viewer sees does not depend on who else looks.
 TEST_F(FroxelsTest, AViewerSeesTheSameAloneAndAmongOthers) {
     Scene scene = emptyScene();

@@ -15,7 +15,8 @@ struct FroxelShaders {
 
 inline FroxelShaders shadersFor(const FroxelSettings& settings) {
     const std::string& name = settings.shadows;
-    return {.shadows = name == "map"    ? gpu::kShadowsByMap
+    return {.shadows = name == "none"   ? gpu::kShadowsNone
+                       : name == "map"  ? gpu::kShadowsByMap
                        : name == "ray"  ? gpu::kShadowsByRay
                        : name == "grid" ? gpu::kShadowsByGrid
                                         : gpu::kShadowsHybrid,
