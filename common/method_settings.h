@@ -20,6 +20,8 @@ inline constexpr std::string_view kVoxelLookups[]{"nearest", "linear"};
 inline constexpr std::string_view kInterpolations[]{"exact", "rbf", "gradient", "nested"};
 inline constexpr std::string_view kQuantities[]{"radiance", "factor"};
 inline constexpr std::string_view kSampleWeights[]{"printed", "gaussian"};
+inline constexpr std::string_view kCriteria[]{"opacity", "printed"};
+inline constexpr std::string_view kFirsts[]{"particles", "strata"};
 
 inline constexpr SceneSetting kMethodSettings[]{
     {"render.isv.quadrature", at<&P::render, &R::isv, &IsvSettings::quadrature>, "", kNone,
@@ -85,6 +87,10 @@ inline constexpr SceneSetting kMethodSettings[]{
     usually({0.005, 0.1},
             {"render.radiance.error", at<&P::render, &R::radiance, &RadianceSettings::error>, "", limits::kLightError,
              "Beyond which samples are split: the error of the light, times opacity", kOperators}),
+    {"render.radiance.criterion", at<&P::render, &R::radiance, &RadianceSettings::criterion>, "", kNone,
+     "`rbf`, `gradient`: what `error` bounds: the light's error times `opacity`, or as `printed` by Ren et al. (2008): "
+     "times the cube of the sphere's radius, density, and the transmittance to a viewer",
+     kNobody, Form::plain, kCriteria},
     {"render.radiance.levels", at<&P::render, &R::radiance, &RadianceSettings::levels>, "", limits::kLightLevels,
      "Levels of grids that samples are split into; `nested` with 0 or 1: every node is computed"},
     {"render.radiance.spacing", at<&P::render, &R::radiance, &RadianceSettings::spacing>, "m", limits::kVoxel,
@@ -95,6 +101,11 @@ inline constexpr SceneSetting kMethodSettings[]{
      "Step of marches toward lights; `auto`: depths are looked up in the lights' volumes", kNobody, Form::or_auto},
     {"render.radiance.samples", at<&P::render, &R::radiance, &RadianceSettings::samples>, "", limits::kLightSamples,
      "`rbf`, `gradient`: the first ones, at most: the particles, or strata if there are none or too many"},
+    {"render.radiance.firsts", at<&P::render, &R::radiance, &RadianceSettings::firsts>, "", kNone,
+     "`rbf`, `gradient`: the first samples are the `particles` where they can be, or always in `strata`", kNobody,
+     Form::plain, kFirsts},
+    {"render.radiance.near", at<&P::render, &R::radiance, &RadianceSettings::near>, "spacings", limits::kLightNear,
+     "`gradients`, `lit`: as near to points and spots their light is added exactly, and not kept at nodes"},
 
     usually({1, 32}, {"render.path.groups", at<&P::render, &R::path, &PathSettings::groups>, "", limits::kPathGroups,
                       "Each tick light behind the union of balls is computed for one of so many groups of particles",

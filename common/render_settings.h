@@ -68,7 +68,12 @@ struct RadianceSettings {
     std::string interpolation = "nested";
     std::string quantity = "factor";  // radiance | factor: what is interpolated; the factor is the part that arrives
     std::string weights = "gaussian"; // printed | gaussian: how samples in spheres are weighted
-    float error = 0.02f;              // a sample that errs by more is split: a part of all light, times opacity
+    float error = 0.02f;              // a sample that errs by more is split: criterion
+    // rbf, gradient: what that error is. opacity: a part of all light, times opacity. printed: the same times the cube
+    // of the sphere's radius, density in place of opacity, and the transmittance to an eye (Ren et al., eq. 5).
+    std::string criterion = "opacity";
+    std::string firsts = "particles"; // rbf, gradient: particles | strata: where the first samples are
+    float near = 3;                   // spacings from a light within which it is added exactly, 0...16; 0: nowhere
     uint32_t levels = 3;              // number of grids that samples are split into, 0...3
     float spacing = kAuto;            // m between nodes; auto: as the particles need, or 1/96 of what they cover
     float step = kAuto;      // spacings between places of a march toward a light; auto: the light's volume is read

@@ -60,8 +60,8 @@ inline constexpr Limits kTetrahedra{1, 2e6}, kTetrahedraNodes{1, 3}; // how many
 inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1}, kLampSpacing{1e-3, 10};
 inline constexpr Limits kFroxelPixels{1, 32}, kSlices{8, 512}, kHistory{0, 0.98};
 inline constexpr Limits kVoxel{0.005, 100}; // m
-inline constexpr Limits kLightError{1e-5, 1}, kLightLevels{0, 3}, kLightSamples{1, 4096};
-inline constexpr Limits kLightStep{0.05, 16};                         // spacings of nodes
+inline constexpr Limits kLightError{1e-9, 1}, kLightLevels{0, 3}, kLightSamples{1, 16384};
+inline constexpr Limits kLightStep{0.05, 16}, kLightNear{0, 16};      // spacings of nodes
 inline constexpr Limits kUnionRadius{1e-3, 10}, kUnionCount{1, 8192}; // per scale; particles
 inline constexpr Limits kPathGroups{1, 64}, kPathCutoff{0, 256};      // ticks; hits
 inline constexpr Limits kSpriteSize{0.1, 4};                          // radii

@@ -19,7 +19,7 @@ layout(scalar) readonly buffer Values { vec4 values[]; };
 #include "shaders/lib/sphere_samples.glsl"
 
 const float kSeen = 1e-4;      // opacity of the medium all through the box: light in less is not seen
-const uint kMostFirsts = 4096; // samples before those of grids
+const uint kMostFirsts = 16384; // samples before those of grids
 shared uint near_firsts[kMostFirsts / 32]; // bits of those whose spheres meet the brick
 
 // Finds the first samples that nodes of the brick may lie in.

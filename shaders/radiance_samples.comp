@@ -11,6 +11,9 @@ layout(local_size_x = 64) in;
 layout(scalar) writeonly buffer Samples { LightSample samples[]; };
 layout(scalar) buffer States { uint states[]; };
 layout(scalar) buffer Spheres { vec4 spheres[]; }; // of the first samples: place, radius (m)
+// With kShadingError: places of viewers, and of samples the bits of the transmittance to them.
+layout(scalar) readonly buffer Viewers { vec4 viewers[]; };
+layout(scalar) buffer Through { uint through[]; };
 #include "shaders/blocks/particles.glsl"
 
 #include "shaders/lib/radiance.glsl"
@@ -48,8 +51,21 @@ vec4 firstSphere(uint i) {
     return vec4(push.lit.origin + wide * (vec3(at) + jitterOf(at)), length(wide)); // nothing is between spheres
 }
 
-// Wants all samples of the next grid in the sphere. False: there are none.
-bool wantNext(vec3 x, float radius) {
+// Of the medium between x and the viewer that sees x best.
+float throughToViewers(vec3 x) {
+    float most = 0;
+    [[dont_unroll]] for (uint i = 0; i < push.viewers; ++i) {
+        const vec3 way = viewers[i].xyz - x;
+        const float distance = length(way);
+        const vec3 dir = way / max(distance, 1e-20);
+        const float particles = tick.particle_count > 0 ? marchedDepth(x, dir, distance) : 0;
+        most = max(most, exp(-particles - (kHasFog ? fogBetween(x, dir, 1, 0, distance) : 0)));
+    }
+    return most;
+}
+
+// Wants all samples of the next grid in the sphere, which have its transmittance. False: there are none.
+bool wantNext(vec3 x, float radius, float passed) {
     const int next = push.level + 1;
     const uvec3 size = gridSize(next);
     const float cell = gridCell(next);
@@ -62,7 +78,9 @@ bool wantNext(vec3 x, float radius) {
             for (int i = lo.x; i <= hi.x; ++i) {
                 const vec3 off = push.lit.origin + cell * vec3(i, j, k) - x;
                 if (dot(off, off) > radius * radius) continue;
-                states[first + sampleAt(uvec3(i, j, k), size)] = kWanted;
+                const uint at = first + sampleAt(uvec3(i, j, k), size);
+                states[at] = kWanted;
+                if (isHow(kShadingError)) atomicMax(through[at], floatBitsToUint(passed)); // of all spheres around it
                 any = true;
             }
     return any;
@@ -100,14 +118,19 @@ void main() {
         float worth = 0;
         [[dont_unroll]] for (uint test = 0; test < 6; ++test) {
             vec3 off = vec3(0);
-            const float tested = isHow(kPrinted) ? radius : kTestedAt * radius;
+            const float tested = isHow(kPrinted | kShadingError) ? radius : kTestedAt * radius;
             off[test / 2] = (test & 1) == 0 ? tested : -tested;
             vec4 plane = made.value + made.along[test / 2] * off[test / 2];
             plane = isHow(kRadiance) ? max(plane, 0) : clamp(plane, 0, 1);
             worth += worthOf(plane - lightAt(x + off), x + off) / 6;
         }
+        float passed = 1;
+        if (isHow(kShadingError)) {
+            passed = push.level < 0 ? throughToViewers(x) : uintBitsToFloat(through[i]);
+            worth = shadingError(radius / longestSide(), worth, passed);
+        }
         // One without samples of the next grid in its sphere would leave a hole.
-        keep = worth <= push.error || (!wantNext(x, radius) && !isHow(kPrinted));
+        keep = worth <= push.error || (!wantNext(x, radius, passed) && !isHow(kPrinted));
     }
     atomicAdd(counts[kPlacesLit], places_lit);
     if (keep) atomicAdd(counts[kSamplesKept], 1);

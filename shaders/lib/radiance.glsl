@@ -30,7 +30,8 @@ float marchedDepth(vec3 x, vec3 dir, float distance) {
     const float begin = max(max(enters.x, enters.y), max(enters.z, 0)),
                 end = min(min(leaves.x, leaves.y), min(leaves.z, distance));
     if (!(begin < end)) return 0;
-    const uint steps = clamp(uint(ceil((end - begin) / push.step)), 1u, kMostSteps);
+    const float step = push.step > 0 ? push.step : push.medium.spacing;
+    const uint steps = clamp(uint(ceil((end - begin) / step)), 1u, kMostSteps);
     const float width = (end - begin) / float(steps);
     float sum = 0;
     [[dont_unroll]] for (uint i = 0; i < steps; ++i) sum += extinctionAt(x + (begin + (float(i) + 0.5) * width) * dir);
@@ -113,18 +114,22 @@ float mediaAt(vec3 x, float around) {
     return particles + fogBetween(x - vec3(around, 0, 0), vec3(1, 0, 0), 1, 0, 2 * around) / (2 * around);
 }
 
-// The opacity that the medium at x would have all through the box of the nodes.
-float opacityAround(vec3 x) {
-    const vec3 size = vec3(push.lit.bricks * kSlabTile) * push.lit.spacing;
-    return opacity(mediaAt(x, 0.5 * push.lit.spacing) * max(max(size.x, size.y), size.z));
+float longestSide() { // m, of the box of the nodes
+    const uvec3 nodes = push.lit.bricks * kSlabTile;
+    return push.lit.spacing * float(max(max(nodes.x, nodes.y), nodes.z));
 }
 
-// What an error of light at x is worth: of its fluence as a part of push.scale, times the opacity.
+// The optical depth, and the opacity, that the medium at x would have all through that box.
+float depthAround(vec3 x) { return mediaAt(x, 0.5 * push.lit.spacing) * longestSide(); }
+float opacityAround(vec3 x) { return opacity(depthAround(x)); }
+
+// What an error of light at x is worth: of its fluence as a part of push.scale, times the opacity, or as printed times
+// the density.
 float worthOf(vec4 off, vec3 x) {
-    const float opacity = opacityAround(x);
-    if (!(opacity > 0)) return 0;
+    const float depth = depthAround(x), medium = isHow(kShadingError) ? depth : opacity(depth);
+    if (!(medium > 0)) return 0;
     const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
     const vec3 sent = isHow(kRadiance) ? vec3(1) : lightSent(x);
     const float local = dot(abs(off.rgb) * sent, luminance), sun = abs(off.w) * dot(tick.sun.irradiance, luminance);
-    return opacity * (local + sun) / push.scale;
+    return medium * (local + sun) / push.scale;
 }

@@ -25,12 +25,10 @@ struct LitGridShape {
     float spacing; // m
     uvec3 bricks;
     uint particles; // 1: only bricks with particles are known, and the medium's nodes lie where these do
-    float near;     // spacings, usually kNearNodes; 0: all light is kept
+    float near;     // spacings, RadianceSettings::near; 0: all light is kept
     uint keeps;
     uint numbers; // that a node keeps of points and spots
 };
-
-const float kNearNodes = 3.0f;
 
 #ifdef __cplusplus
 static_assert(sizeof(LitGridShape) == 44);

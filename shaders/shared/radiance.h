@@ -29,12 +29,13 @@ const uint kHoles = 3u;       // nodes in the medium that have no value
 const uint kLightCounts = 4u;
 
 // Bits of LightSampling::how.
-const uint kRadiance = 1u;   // what is interpolated is fluence; otherwise the part of the light that arrives
-const uint kPrinted = 2u;    // weights and splitting are as printed by Ren et al.
-const uint kNoPlanes = 4u;   // samples have no derivatives
-const uint kExactly = 8u;    // every node is computed
-const uint kNested = 16u;    // nodes have values from nested grids
-const uint kParticles = 32u; // the first samples are the particles
+const uint kRadiance = 1u;      // what is interpolated is fluence; otherwise the part of the light that arrives
+const uint kPrinted = 2u;       // weights and splitting are as printed by Ren et al.
+const uint kNoPlanes = 4u;      // samples have no derivatives
+const uint kExactly = 8u;       // every node is computed
+const uint kNested = 16u;       // nodes have values from nested grids
+const uint kParticles = 32u;    // the first samples are the particles
+const uint kShadingError = 64u; // samples are split by shadingError() (sphere_samples.h)
 
 struct LightSampling {
     LitGridShape lit;
@@ -48,10 +49,11 @@ struct LightSampling {
     float step;  // m between samples on the way to a light; 0: its volume is read
     float scale; // W/m^2, fluence that errors are measured by
     uint how;
+    uint viewers; // whose places are known
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(LightSampling) == 124);
+static_assert(sizeof(LightSampling) == 128);
 static_assert(sizeof(LightSample) == 64);
 } // namespace brume::gpu
 #endif

@@ -16,6 +16,13 @@ BRUME_FN real sampleWeight(real q, bool printed) {
     return printed ? real(1) / max(q, real(1e-6)) : exp(real(-4.5) * q * q);
 }
 
+// The local shading error of a sample as printed (section 5, equation 5), up to a factor that is the same for all.
+// radius: of its sphere, in any unit that all share. errors: mean over the places that are tested of the error of the
+// light, times the density there. through: transmittance from the sphere to the eye.
+BRUME_FN real shadingError(real radius, real errors, real through) {
+    return radius * radius * radius * errors * through;
+}
+
 BRUME_PHYSICS_END
 
 #endif

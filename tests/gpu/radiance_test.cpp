@@ -83,6 +83,7 @@ TEST_F(RadianceTest, InterpolationErrs) {
     };
     for (const char* quantity : {"radiance", "factor"}) {
         scene.render.radiance.quantity = quantity;
+        scene.render.radiance.near = scene.render.radiance.quantity == "radiance" ? 0 : 3; // all light, as printed
         scene.render.radiance.interpolation = "exact";
         exact = seen.see(scene);
         const uint64_t all = seen.work.places;
@@ -157,6 +158,7 @@ TEST_F(RadianceTest, ThereAreNoHoles) {
         scene.render.method = "gradients";
         scene.render.froxels = {.pixels = 16, .slices = 8};
         scene.render.radiance.quantity = i % 2 == 0 ? "radiance" : "factor";
+        scene.render.radiance.near = i % 2 == 0 ? 0 : 3;
         scene.render.radiance.error = random.uniform(0.001f, 0.05f);
         if (!seen) seen.emplace(scene);
         scene.render.radiance.interpolation = "exact";
@@ -192,7 +194,8 @@ TEST_F(RadianceTest, LampsOnNodesAndLampsThatAreOut) {
                     {.type = kPoint, .position = {8, 0, 0}, .intensity = glm::vec3(1e4f), .range = 2}};
     Seen seen(scene);
     for (const char* quantity : {"radiance", "factor"}) {
-        scene.render.radiance = {.interpolation = "exact", .quantity = quantity, .spacing = 0.25f};
+        scene.render.radiance = {.interpolation = "exact", .quantity = quantity, .near = 3, .spacing = 0.25f};
+        if (scene.render.radiance.quantity == "radiance") scene.render.radiance.near = 0;
         const Picture exact = seen.see(scene);
         for (const glm::vec4& pixel : exact.pixels) ASSERT_TRUE(std::isfinite(pixel.x + pixel.a)) << quantity;
         scene.render.radiance.interpolation = "nested";
@@ -215,6 +218,27 @@ TEST_F(RadianceTest, AtRestNothingIsComputed) {
     scene.render.radiance.error = 0.5f;
     seen.see(scene);
     EXPECT_GT(seen.work.places, 0u);
+}
+
+// Light near a point is added exactly, whatever is interpolated, unless none is near.
+TEST_F(RadianceTest, NearLightIsExactWithRadianceToo) {
+    Scene scene = smoke();
+    Seen seen(scene);
+    Picture exact;
+    double off[2][2];
+    for (const int radiance : {0, 1})
+        for (const int near : {0, 1}) {
+            scene.render.radiance.quantity = radiance ? "radiance" : "factor";
+            scene.render.radiance.near = near ? 3 : 0;
+            scene.render.radiance.interpolation = "exact";
+            exact = seen.see(scene);
+            scene.render.radiance.interpolation = "rbf";
+            off[radiance][near] = difference(seen.see(scene), exact);
+            std::printf("%s, near %d: %.3f %%\n", scene.render.radiance.quantity.c_str(), 3 * near,
+                        100 * off[radiance][near]);
+        }
+    EXPECT_LT(off[1][1], off[1][0] / 2) << "1/d^2 beside the light is what means miss";
+    EXPECT_LT(off[0][0], off[1][0]);
 }
 
 } // namespace

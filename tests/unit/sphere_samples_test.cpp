@@ -29,6 +29,12 @@ float errorOfLinear(float part, bool printed) {
     return float(std::sqrt(errors / values));
 }
 
+// Equation 5: a sphere twice as wide counts eight times.
+TEST(SphereSamples, TheShadingErrorIsThatOfHand) {
+    EXPECT_EQ(physics::shadingError(2.0f, 0.25f, 0.5f), 1.0f);
+    EXPECT_EQ(physics::shadingError(1.0f, 0.25f, 0.5f), 0.125f);
+}
+
 TEST(SphereSamples, PlanesGiveALinearFieldBack) {
     EXPECT_LE(errorOfLinear(1, false), 1e-5f);
     EXPECT_LE(errorOfLinear(1, true), 1e-5f);

@@ -10,6 +10,11 @@ class Gradients : public LitBy<RadianceGrid> {
 public:
     using LitBy::LitBy;
 
+    std::span<const ViewGroup> prepare(std::span<const EyeInputs> eyes) override {
+        for (RadianceGrid& grid : grids_) grid.follow(eyes);
+        return LitBy::prepare(eyes);
+    }
+
     LightWork workSince() override {
         LightWork work;
         for (RadianceGrid& grid : grids_) {

@@ -15,6 +15,7 @@ namespace {
 constexpr uint32_t kFirstCells = 16;    // of the first grid that samples are split into, along the longest side
 constexpr uint32_t kLanes = 64;         // of a workgroup
 constexpr uint32_t kMostGroups = 32768; // of a line of workgroups: every device can dispatch 65,535
+constexpr size_t kMostViewers = 4096;   // what a command updates at once: 64 KiB
 constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 float luminance(glm::vec3 colour) { return glm::dot(colour, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
@@ -40,6 +41,7 @@ uint32_t howOf(const RadianceSettings& settings) {
     return (settings.quantity == "radiance" ? gpu::kRadiance : 0) |
            (settings.weights == "printed" ? gpu::kPrinted : 0) |
            (settings.interpolation == "rbf" ? gpu::kNoPlanes : 0) |
+           (settings.criterion == "printed" ? gpu::kShadingError : 0) |
            (lightShaders(settings) == LightShaders::exact ? gpu::kExactly : 0) |
            (lightShaders(settings) == LightShaders::nested ? gpu::kNested : 0);
 }
@@ -59,7 +61,8 @@ gpu::LightSampling samplingOf(const TickInputs& tick, const MediumView& medium, 
     sampling.scale = fluenceOf(tick, shape);
     sampling.how = howOf(settings);
     // Fog reaches beyond the particles.
-    const bool particles = medium.count > 0 && medium.count <= settings.samples && !tick.features.fog;
+    const bool particles =
+        settings.firsts == "particles" && medium.count > 0 && medium.count <= settings.samples && !tick.features.fog;
     sampling.firsts = particles ? medium.count : settings.samples;
     if (particles) sampling.how |= gpu::kParticles;
     return sampling;
@@ -85,23 +88,30 @@ std::array<uint32_t, gpu::kLightCounts> RadianceGrid::countsSince() {
     return counts;
 }
 
+void RadianceGrid::follow(std::span<const EyeInputs> eyes) {
+    viewers_.clear();
+    for (const EyeInputs& in : eyes.first(std::min(eyes.size(), kMostViewers)))
+        viewers_.emplace_back(in.pose.position, 1);
+}
+
 void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium,
                           const GridPass& nodes) {
     const RadianceSettings& settings = tick.settings->radiance;
     const bool fluence = settings.quantity == "radiance";
     shape_ = litShape(tick, medium, nodes.grid(), settings.spacing, fluence ? gpu::kKeepsFluence : gpu::kKeepsColours,
                       sizeof(glm::vec4));
-    if (fluence) shape_.near = 0; // all of it is interpolated
-    const bool same = settings == settings_;
-    settings_ = settings;
+    const LightShaders shaders = lightShaders(settings);
+    const bool nested = shaders == LightShaders::nested, spheres = shaders == LightShaders::spheres;
+    const bool followed = spheres && settings.criterion == "printed"; // samples depend on where viewers are
+    const bool same = settings == settings_ && (!followed || seen_by_ == viewers_);
+    settings_ = settings, seen_by_ = viewers_;
     if (key_.isSame(tick, medium, shape_) && same) return;
     light_.atLeast(device_, shape_);
     if (shape_.bricks.x == 0) return;
 
     const gpu::Commands::Pass pass(commands, "radiance");
     gpu::LightSampling push = samplingOf(tick, medium, shape_, nodes.grid());
-    const LightShaders shaders = lightShaders(settings);
-    const bool nested = shaders == LightShaders::nested, spheres = shaders == LightShaders::spheres;
+    push.viewers = uint32_t(viewers_.size());
     uint64_t samples = push.firsts;
     for (uint32_t level = 0; level < push.levels; ++level) samples += samplesOf(push, level);
     const auto grow = [&](gpu::Buffer& buffer, uint64_t count, size_t each, const char* name) {
@@ -111,11 +121,18 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     grow(samples_, spheres ? samples : 0, sizeof(gpu::LightSample), "light samples");
     grow(states_, spheres ? samples : nested ? nodesOf(shape_) : 0, sizeof(uint32_t), "states of light samples");
     grow(spheres_, spheres ? push.firsts : 0, sizeof(glm::vec4), "spheres of light samples");
+    grow(through_, followed ? samples : 0, sizeof(uint32_t), "transmittances of light samples");
+    grow(places_, followed ? viewers_.size() : 0, sizeof(glm::vec4), "places of viewers");
     grow(values_, nested ? nodesOf(shape_) : 0, sizeof(glm::vec4), "nested light");
 
     const VkCommandBuffer cmd = commands.handle();
     gpu::everythingBefore(cmd); // the eyes before have read it
     if (spheres) vkCmdFillBuffer(cmd, states_.handle(), 0, VK_WHOLE_SIZE, gpu::kNoSample);
+    if (followed) {
+        vkCmdFillBuffer(cmd, through_.handle(), 0, VK_WHOLE_SIZE, 0);
+        if (!viewers_.empty())
+            vkCmdUpdateBuffer(cmd, places_.handle(), 0, viewers_.size() * sizeof(glm::vec4), viewers_.data());
+    }
     counts_.begin(commands);
     gpu::transferToCompute(cmd);
     gpu::Resources shared(&medium.resources);
@@ -136,7 +153,8 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
             const uint32_t lanes = push.level < 0 ? push.firsts : samplesOf(push, uint32_t(push.level));
             record(samples_program_,
                    {gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
-                    gpu::storageBuffer("Spheres", spheres_)},
+                    gpu::storageBuffer("Spheres", spheres_), gpu::storageBuffer("Through", through_),
+                    gpu::storageBuffer("Viewers", places_)},
                    inLines(lanes));
         }
     if (nested)

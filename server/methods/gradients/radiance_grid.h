@@ -4,6 +4,8 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "server/gpu/counts.h"
 #include "server/gpu/variants.h"
@@ -16,6 +18,8 @@ class RadianceGrid {
 public:
     explicit RadianceGrid(const gpu::Device& device);
 
+    // Notes where viewers are. With RadianceSettings::criterion `printed` samples follow them, the first 4096.
+    void follow(std::span<const EyeInputs> eyes);
     // As LitGrid::record().
     void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& medium, const GridPass& nodes);
 
@@ -28,7 +32,8 @@ private:
     const gpu::Device& device_;
     gpu::Variants samples_program_, nested_program_, nodes_program_;
     LitNodes light_;
-    gpu::Buffer samples_, states_, spheres_, values_;
+    gpu::Buffer samples_, states_, spheres_, values_, through_, places_;
+    std::vector<glm::vec4> viewers_, seen_by_; // places of this submission, and those that the light was made for
     gpu::Counts counts_;
     gpu::LitGridShape shape_{};
     RadianceSettings settings_;

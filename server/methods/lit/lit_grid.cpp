@@ -48,7 +48,7 @@ gpu::LitGridShape litShape(const TickInputs& tick, const MediumView& medium, con
     const uint32_t numbers = numbersOf(keeps, tick.features.local_lights ? tick.lights.size() : 0);
     node_bytes = std::max<uint64_t>(node_bytes, std::max(numbers, 1u) * sizeof(float));
     const auto kept = [&](gpu::LitGridShape shape) {
-        shape.near = gpu::kNearNodes;
+        shape.near = tick.settings->radiance.near;
         shape.keeps = keeps;
         shape.numbers = numbers;
         return shape;
