@@ -13,14 +13,21 @@ const Pose kPose = lookAt({2, 1.5f, 7}, {0, 0, 0}, 0.9f);
 
 class ShadingErrorTest : public JudgedTest {
 protected:
-    // Samples that are kept.
-    static uint64_t samplesOf(const Scene& scene) {
-        Renderer renderer(device(), scene, 600);
-        Submission submission(device(), "test");
-        const std::vector<EyeRequest> eyes{{.pose = kPose, .width = 96, .height = 64}};
-        submitAndWait(renderer, submission, Simulation(scene), eyes);
-        return renderer.countLightWork().samples;
-    }
+    // Samples that are kept, of pictures by one renderer.
+    class Samples {
+    public:
+        explicit Samples(const Scene& scene) : renderer_(device(), scene, 600), submission_(device(), "test") {}
+        uint64_t of(const Scene& scene) {
+            const std::vector<EyeRequest> eyes{{.pose = kPose, .width = 96, .height = 64}};
+            const LightWork before = renderer_.countLightWork();
+            submitAndWait(renderer_, submission_, Simulation(scene), eyes);
+            return (renderer_.countLightWork() - before).samples;
+        }
+
+    private:
+        Renderer renderer_;
+        Submission submission_;
+    };
 };
 
 // Fog that is the same everywhere, and a point in the middle of the nodes: the printed criterion in double, of eight
@@ -97,6 +104,7 @@ TEST_F(ShadingErrorTest, SplitsWhereEquation5IsLarger) {
     const ShadingErrors hand;
     Scene scene = ShadingErrors::scene();
     scene.render.radiance.levels = 1;
+    Samples kept_of(scene);
     std::vector<std::pair<double, glm::dvec3>> firsts;
     for (uint32_t i = 0; i < ShadingErrors::kFirsts; ++i) {
         const glm::dvec3 x = hand.first(i);
@@ -116,7 +124,7 @@ TEST_F(ShadingErrorTest, SplitsWhereEquation5IsLarger) {
                 wanted = wanted || glm::distance(x, firsts[i].second) <= hand.first_radius;
             expected += wanted;
         });
-        const uint64_t samples = samplesOf(scene);
+        const uint64_t samples = kept_of.of(scene);
         std::printf("%zu kept below %.4g: %llu samples\n", kept, 0.5 * (below + above), (unsigned long long)samples);
         EXPECT_EQ(samples, expected) << kept;
         EXPECT_NE(samples, before);
@@ -178,7 +186,7 @@ TEST_F(ShadingErrorTest, SamplesOfGridsInheritTheTransmittance) {
     Scene scene = ShadingErrors::scene();
     scene.render.radiance.levels = 2;
     scene.render.radiance.error = float(allowed);
-    const uint64_t samples = samplesOf(scene);
+    const uint64_t samples = Samples(scene).of(scene);
     std::printf("%llu samples, expected %llu to %llu, of their own %llu to %llu\n", (unsigned long long)samples,
                 (unsigned long long)expected.least, (unsigned long long)expected.most, (unsigned long long)other.least,
                 (unsigned long long)other.most);
