@@ -18,6 +18,7 @@ layout(scalar) readonly buffer Values { vec4 values[]; };
 #include "shaders/lib/radiance.glsl"
 #include "shaders/lib/sphere_samples.glsl"
 
+const float kNoValue = -3e38;  // of a node before it has a value, which becomes no light
 const float kSeen = 1e-4;      // opacity of the medium all through the box: light in less is not seen
 const uint kMostFirsts = 16384; // samples before those of grids
 shared uint near_firsts[kMostFirsts / 32]; // bits of those whose spheres meet the brick
@@ -50,8 +51,8 @@ void addSample(uint i, vec3 off, float radius, inout vec4 sum, inout float weigh
     weights += weight;
 }
 
-// False: no sample reaches x.
-bool fromSpheres(vec3 x, out vec4 value) {
+// False: no sample reaches x, and `value` is as it was.
+bool fromSpheres(vec3 x, inout vec4 value) {
     vec4 sum = vec4(0);
     float weights = 0;
     [[dont_unroll]] for (uint w = 0; w < (push.firsts + 31) / 32; ++w)
@@ -72,8 +73,9 @@ bool fromSpheres(vec3 x, out vec4 value) {
         }
         first += size.x * size.y * size.z;
     }
+    if (!(weights > 0)) return false;
     value = sum / max(weights, 1e-30);
-    return weights > 0;
+    return true;
 }
 
 void main() {
@@ -90,18 +92,17 @@ void main() {
         const uvec3 node = brick * kSlabTile + uvec3(gl_LocalInvocationID.xy, z);
         const uint at = (node.z * size.y + node.y) * size.x + node.x;
         const vec3 x = push.lit.origin + push.lit.spacing * vec3(node);
-        vec4 value;
+        vec4 value = vec4(kNoValue);
         if (isHow(kExactly)) {
             value = lightAt(x);
         } else if (isHow(kNested)) {
             value = values[at];
-        } else if (!fromSpheres(x, value)) {
-            const bool read = opacityAround(x) > kSeen;
-            const bool compute = read && !isHow(kPrinted);
-            if (compute) value = lightAt(x);
-            if (compute) atomicAdd(counts[kNodesLit], 1);
-            if (read && !compute) atomicAdd(counts[kHoles], 1);
+        } else if (!fromSpheres(x, value) && !isHow(kPrinted) && opacityAround(x) > kSeen) {
+            value = lightAt(x);
+            atomicAdd(counts[kNodesLit], 1);
         }
+        // A hole is where the medium is seen and nothing of the above has written a value.
+        if (value.w == kNoValue && opacityAround(x) > kSeen) atomicAdd(counts[kHoles], 1);
         value = isHow(kRadiance) ? max(value, 0) : clamp(value, 0, 1);
         sun_nodes[at] = min(value.w, 1);
         if (!kHasLocalLights) continue;
