@@ -157,29 +157,6 @@ TEST_F(FroxelsTest, WithoutShadowsObjectsShadowNothing) {
     EXPECT_LT(dark[middle].r, 0.8f * lit[middle].r);
 }
 
-// What one viewer sees does not depend on who else looks.
-TEST_F(FroxelsTest, AViewerSeesTheSameAloneAndAmongOthers) {
-    Scene scene = emptyScene();
-    scene.fogs = {{.extinction = 0.05f, .albedo = {0.9f, 0.8f, 0.7f}}};
-    scene.boxes = {{{2, -1, 0}, {1, 6, 1}, 0.4f, glm::vec3(0.6f)}};
-    scene.lights = {point({0.5f, 2.5f, 2})};
-    for (const char* method : some({"froxels", "lit", "gradients"})) {
-        scene.render.method = method;
-        const Simulation simulation(scene);
-        std::vector<EyeRequest> eyes;
-        for (int i = 0; i < 16; ++i)
-            eyes.push_back({.pose = lookAt({2.0f + float(i), 3, 14}, {0, 0, 0}, 0.9f), .width = 80, .height = 48});
-        const auto bytesOfFirst = [&](std::span<const EyeRequest> seen) {
-            Renderer renderer(device(), scene, 1);
-            Submission submission(device(), "test");
-            submitAndWait(renderer, submission, simulation, seen);
-            const PictureView& picture = submission.pictures().front();
-            return std::vector<uint8_t>(picture.bytes, picture.bytes + picture.layout.bytes());
-        };
-        EXPECT_EQ(bytesOfFirst(std::span(eyes).first(1)), bytesOfFirst(eyes)) << method;
-    }
-}
-
 // Shadows from the map, the grid and the frusta are those of rays: nearly, and not by asking rays.
 TEST_F(FroxelsTest, EveryKindOfShadowIsThatOfRays) {
     Scene scene = emptyScene();

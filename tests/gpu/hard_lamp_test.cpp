@@ -98,5 +98,45 @@ TEST_F(HardLampTest, OneOf1024) {
     EXPECT_LE(std::sqrt(errors / values), 1e-4);
 }
 
+// Each of 1,024 lamps is seen in each pixel: the picture is the sum of those of 32 lamps at a time. Light is added up
+// in another order there, so that a pixel errs by some roundings of 1,024 sums; one lamp that is lost is 5e-4 of it.
+TEST_F(HardLampTest, AllOf1024) {
+    constexpr uint32_t kWide = 40, kHigh = 24, kLamps = 1024, kAtOnce = 32; // a word of the bins
+    Scene scene = foggy();
+    scene.sky.horizon = glm::vec3(0);
+    scene.boxes = {{{0, 0, -8}, {200, 200, 2}, 0, glm::vec3(0)}}; // black: rays end there, whichever lamps there are
+    std::vector<Light> lamps;
+    for (uint32_t i = 0; i < kLamps; ++i) {
+        Light one = lamp(glm::vec3(i % 16, i / 16 % 8, i / 128) * 0.1f);
+        one.intensity = glm::vec3(1);
+        one.shadows = false;
+        lamps.push_back(one);
+    }
+    scene.render.march = {.samples = 16, .dither = "none", .blur = "none"};
+    scene.render.froxels = {.pixels = 4, .slices = 32};
+    for (const char* method : {"march", "froxels"}) {
+        scene.render.method = method;
+        Stage stage(device(), scene, 1);
+        const auto seen = [&](size_t first, size_t count) {
+            scene.lights.assign(lamps.begin() + std::ptrdiff_t(first), lamps.begin() + std::ptrdiff_t(first + count));
+            return stage.see(scene, kOutside, kWide, kHigh);
+        };
+        const Picture all = seen(0, kLamps), but_one = seen(0, kLamps - 1);
+        std::vector<double> sums(all.pixels.size());
+        for (size_t first = 0; first < kLamps; first += kAtOnce) {
+            const Picture some = seen(first, kAtOnce);
+            for (size_t i = 0; i < sums.size(); ++i) sums[i] += double(some.pixels[i].r);
+        }
+        double worst = 0, least = 1; // of a pixel's light: the error; what the last lamp gives
+        for (size_t i = 0; i < sums.size(); ++i) {
+            worst = std::max(worst, std::abs(double(all.pixels[i].r) / sums[i] - 1));
+            least = std::min(least, 1 - double(but_one.pixels[i].r) / sums[i]);
+        }
+        std::printf("%-7s off by %.1e, one lamp is %.1e\n", method, worst, least);
+        EXPECT_LE(worst, 5e-5) << method;
+        EXPECT_GT(least, 2e-4) << method << ": a lamp that is lost would not be seen";
+    }
+}
+
 } // namespace
 } // namespace brume::test::hard_lamp_test

@@ -240,6 +240,40 @@ TEST_F(MarchTest, AFurnaceHasNoColour) {
             }
 }
 
+// The same with a sun: along rays that keep their height in a fog whose extinction falls with height, the sun's light
+// is everywhere the same. Of an albedo of 1 such light is that of a furnace; of a smaller one it is in the picture
+// once.
+TEST_F(MarchTest, AFurnaceWithASunCountsTheAlbedoOnce) {
+    constexpr float kExtinction = 0.1f, kFalloff = 0.5f; // at the eye's height
+    constexpr double kAmbient = 0.4, kWall = 15;         // m to a black wall
+    Scene scene = emptyScene();
+    scene.lights = {sun()};
+    scene.lights[0].irradiance = {9, 6, 3};
+    scene.lights[0].shadows = false;
+    scene.boxes = {{{0, 0, -float(kWall) - 50}, {400, 400, 100}, 0, glm::vec3(0)}};
+    scene.sky = {.zenith = glm::vec3(0), .horizon = glm::vec3(0), .ambient = glm::vec3(float(kAmbient))};
+    const double through = std::exp(-double(kExtinction / kFalloff) / double(scene.lights[0].to_light.y));
+    const glm::dvec3 source = kAmbient + glm::dvec3(scene.lights[0].irradiance) / (4 * kPi) * through;
+    const double opacity = -std::expm1(-double(kExtinction) * (kWall - kNear));
+    const auto worstBy = [&](const Picture& picture, const glm::dvec3& albedo) {
+        double worst = 0;
+        for (int c = 0; c < 3; ++c)
+            worst = std::max(worst, std::abs(double(picture.at(16, 4)[c]) / (albedo[c] * source[c] * opacity) - 1));
+        return worst;
+    };
+    for (const glm::vec3 albedo : {glm::vec3(1), glm::vec3(0.9f, 0.6f, 0.3f)})
+        for (const char* jitter : {"offset", "stratified", "opacity"}) {
+            scene.fogs = {{.extinction = kExtinction, .falloff = kFalloff, .albedo = albedo}};
+            scene.render.march = {.samples = 5, .jitter = jitter, .blur = "none"};
+            const Picture picture = render(device(), scene, lookAt({0, 0, 0}, {0, 0, -1}, 1e-3f), 33, 9);
+            const double off = worstBy(picture, glm::dvec3(albedo)),
+                         twice = worstBy(picture, glm::dvec3(albedo) * glm::dvec3(albedo));
+            std::printf("%-10s albedo %.1f: %.1e, albedo twice %.2f\n", jitter, double(albedo.b), off, twice);
+            EXPECT_LE(off, 1e-5) << jitter;
+            EXPECT_TRUE(albedo == glm::vec3(1) || twice > 0.1) << jitter << ": this test sees no albedo";
+        }
+}
+
 // Fewer pixels are marched, and what lies between them knows its own surface.
 TEST_F(MarchTest, HalfAndQuarterResolution) {
     Scene scene = shafts();
