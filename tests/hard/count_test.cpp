@@ -29,7 +29,7 @@ TEST_F(HardTest, PlacesThatAreNotNumbers) {
     ASSERT_TRUE(cloud);
     EXPECT_EQ(cloud->dropped, std::size(bad));
     const Pose pose = lookAt({0, 1, 9}, {0, 0, 0}, 0.8f);
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         for (Scene* scene : {&with, &without, &zero}) choose(*scene, way);
         const Picture clean = plain().see(without, pose, 48, 36);
         const Picture rest = plain().see(with, pose, 48, 36);
@@ -51,7 +51,7 @@ TEST_F(HardTest, NoParticleAtAll) {
     scene.medium.emitter.life = 0.1f;
     scene.sky.zenith = scene.sky.horizon = glm::vec3(0.25f);
     Stage stage(device(), scene, Simulation(scene).capacity());
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         ASSERT_EQ(Simulation(scene).liveCount(), 0u);
         double error = 0;
@@ -126,7 +126,7 @@ protected:
         EXPECT_LT(darkest, count == 1 ? 0.4 : 0.2);
 
         std::string done; // one quadrature of each method: no index depends on it
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             if (way.method == done) continue;
             done = way.method;
             const std::string name = "N = " + std::to_string(count) + ": transmittance";

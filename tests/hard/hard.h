@@ -16,8 +16,20 @@ struct Way {
     std::string name() const; // "isv, simpson-2"
 };
 
-// Every method of the renderer with each of its quadratures.
+// Every method with a closed form, with each of its quadratures.
 std::vector<Way> allWays();
+// Methods that take samples of medium and light along a ray, which no closed form describes. Each case that they are
+// drawn with has bars of their own (sampled_bars.cpp).
+std::vector<Way> sampledWays();
+bool isSampled(const Way& way);
+// The largest error that such a method may have in a case. kCannot: it cannot draw it, for the reason `why`.
+inline constexpr double kCannot = -1;
+struct SampledBar {
+    double most;
+    const char* why = "";
+};
+// Throws std::out_of_range for a case without bars.
+SampledBar barOf(const std::string& hard_case, const Way& way);
 void choose(Scene& scene, const Way& way);
 
 // The part of a ray on which a way integrates a particle: for isv inside its tetrahedron, for others the whole ray.
@@ -44,17 +56,25 @@ protected:
     // The ways that a case is drawn by: all in the whole layer, and for the table. In the quick layer slabs, grid and
     // one of the others, another one for each case.
     static std::vector<Way> ways();
+    // The same and sampledWays(), of which the quick layer takes one, another one for each case.
+    static std::vector<Way> waysAndSampled();
 
     // Expects error <= tolerance and adds a row to the table. Of several rows with the same name, the one with the
     // largest error / tolerance is kept.
     static void judge(const std::string& hard_case, const std::string& way, double error, double tolerance);
     static void judge(const std::string& hard_case, const Way& way, double error, double tolerance) {
-        judge(hard_case, way.name(), error, tolerance);
+        if (!isSampled(way)) return judge(hard_case, way.name(), error, tolerance);
+        const SampledBar bar = barOf(hard_case, way);
+        if (bar.most == kCannot) return note(hard_case, way, bar.why);
+        judge(hard_case, way.name(), error, bar.most);
     }
 
     // True if the way refuses the scene with its settings. The table then gets a row with the reason instead of an
     // error.
     static bool refused(const std::string& hard_case, const Way& way, const Scene& scene);
+
+    // Adds a row with the reason why a way has no error in a case.
+    static void note(const std::string& hard_case, const Way& way, const std::string& why);
 
     // Steps, in pixels, to which the device rounds the vertices of what it draws, less the 1/256 that every tolerance
     // allows for.

@@ -46,7 +46,7 @@ TEST_F(HardTest, LookingIntoTheLight) {
     scene.lights[0].to_light = glm::normalize(glm::vec3(0.01f, 0.02f, -1));
     const Pose pose = lookAt({0, 0, 9}, {0, 0, 0}, 0.3f);
     const glm::dvec3 to_light = glm::normalize(glm::dvec3(scene.lights[0].to_light));
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         scene.medium.anisotropy = 0;
         const Picture isotropic = plain().see(scene, pose, kWidth, kHeight);
@@ -80,7 +80,7 @@ TEST_F(HardTest, AWallThroughAParticle) {
     wall.boxes = {{{0, 0, -1}, {40, 40, 2}, 0, glm::vec3(0)}}; // black, its front at z = 0
     Stage stage(device(), wall, 1);
     const Pose pose = lookAt({0, 0, 7}, {0, 0, 0}, 0.5f);
-    for (const Way& way : ways())
+    for (const Way& way : waysAndSampled())
         for (const float falloff : {1.6f, kInside}) {
             Scene scene = sceneOf({thick({0, 0, 0}, 2, 2, falloff)}, falloff);
             scene.boxes = wall.boxes;
@@ -115,7 +115,7 @@ TEST_F(HardTest, ASharpShaftInsideOneParticle) {
     Stage stage(device(), scene, 1);
     const Pose pose = lookAt({0, 0, 40}, {0, 0, 0}, 0.012f); // nearly parallel rays
     const double texel = 30.0 / 4096;
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         choose(open, way);
         const Picture lit = plain().see(open, pose, kWidth, kHeight);
@@ -148,7 +148,7 @@ TEST_F(HardTest, LightAlongYUpAndDown) {
         scene.render.shadow_slices = 128;
         const auto blobs = blobsOf(scene);
         const reference::LightField field(blobs, glm::normalize(glm::dvec3(scene.lights[0].to_light)));
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             choose(scene, way);
             double error = 0, largest = 0;
             forPixels(plain().see(scene, pose, kWidth, kHeight), pose,
@@ -182,7 +182,7 @@ TEST_F(HardTest, ParticlesLargerThanASliceAndGroundOutsideTheVolume) {
     const auto blobs = blobsOf(scene);
     const reference::LightField field(blobs, to_light);
     Stage stage(device(), scene, 1);
-    for (const Way& way : ways())
+    for (const Way& way : waysAndSampled())
         for (const uint32_t slices : {2u, 3u, 16u, 128u}) {
             choose(scene, way);
             scene.render.shadow_slices = slices;
@@ -214,7 +214,7 @@ TEST_F(HardTest, AParticleInTheShadowOfOneSmallerThanASlice) {
     const reference::LightField field(blobs, {0, 1, 0});
     for (const uint32_t slices : {4u, 8u, 16u}) { // planes 6.3, 2.7 and 1.3 m apart; the first one's 1/k is 0.34 m
         scene.render.shadow_slices = slices;
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             choose(scene, way);
             double error = 0;
             forPixels(plain().see(scene, pose, 5, 5), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {

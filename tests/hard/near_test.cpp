@@ -29,7 +29,7 @@ TEST_F(HardTest, InsideOneParticle) {
             for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 1, 0), glm::vec3(-1, 0.3f, 1)})
                 for (const float fov : {0.3f, 1.2f, 2.6f}) {
                     const glm::vec3 eye = point.centre + from;
-                    for (const Way& way : ways()) {
+                    for (const Way& way : waysAndSampled()) {
                         const Seen seen = transmittance(plain(), sceneNear({point}, falloff), way,
                                                         lookAt(eye, eye + direction, fov), 24, 18);
                         judge("camera inside one particle: transmittance", way, seen.error, kFloat);
@@ -44,7 +44,7 @@ TEST_F(HardTest, InsideAThousandParticles) {
     std::vector<Point> points = randomPoints(1000, 1, 8, 1.2e-3f); // of inradius 1.3 to 4, all around the eye
     const Scene scene = sceneNear(points, 1.6f);
     Stage stage(device(), scene, 1000);
-    for (const Way& way : ways())
+    for (const Way& way : waysAndSampled())
         for (const glm::vec3 direction : {glm::vec3(0, 0, -1), glm::vec3(1, 0.5f, 0.2f)}) {
             const Seen seen = transmittance(stage, scene, way, lookAt({0, 0, 0}, direction, 1.2f), 24, 18);
             EXPECT_LT(seen.lowest, 0.2);
@@ -65,7 +65,7 @@ TEST_F(HardTest, LightInsideAThousandThinParticles) {
     for (const reference::Blob& blob : blobs) depth += 2 * blob.half_line;
     EXPECT_LT(depth, 0.05);
     const Pose pose = lookAt({0, 0, 0}, {1, 0.5f, 0.2f}, 1.2f);
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         double error = 0;
         forPixels(stage.see(scene, pose, 6, 4), pose, [&](glm::dvec4 got, const Ray& ray, uint32_t, uint32_t) {
@@ -86,7 +86,7 @@ TEST_F(HardTest, TheWayThroughAParticle) {
     const double k = std::sqrt(50.0) / double(scale * kInside), step = 0.02;
     // Optical depth changes along the ray by sigma, across it by at most sqrt(2/e) k tau.
     const double bound = step * (double(point.sigma_t) + std::sqrt(2 / std::exp(1.0)) * k * 2) + 1e-5;
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         Picture frames[3] = {}; // the newest first
         double jump = 0, one_step = 0, two_steps = 0, brightest = 0;

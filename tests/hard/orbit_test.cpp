@@ -40,7 +40,7 @@ TEST_F(HardTest, SlowOrbitThroughOverlaps) {
     const std::vector<RadianceImage> still(exact.size(), exact[0]);
     const double own = temporalFlip(exact, still, {});
     EXPECT_GT(own, 0.01) << "nothing to see";
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         Scene chosen = scene;
         choose(chosen, way);
         std::vector<RadianceImage> frames;

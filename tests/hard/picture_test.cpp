@@ -19,7 +19,7 @@ TEST_F(HardTest, OddSizes) {
                                                    {33, 31}, {255, 3}, {3, 255}, {129, 65}};
     const double k = std::sqrt(50.0) / 0.3; // of the smallest
     for (const auto& [width, height] : sizes)
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             Scene scene = someParticles();
             choose(scene, way);
             if (refused("1x1 and odd sizes: transmittance", way, scene)) continue;
@@ -65,7 +65,7 @@ TEST_F(HardTest, SixteenIdenticalViewers) {
     Renderer renderer(device(), scene, capacity);
     renderer.keepRadiance(true);
     Submission submission(device(), "eyes");
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         const Simulation simulation(scene);
         const auto bytesOf = [](const PictureView& picture) {

@@ -16,7 +16,7 @@ TEST_F(HardTest, FromTwoKilometres) {
     const double k = std::sqrt(50.0) / 9;
     for (const glm::vec3 from : {glm::vec3(0, 0, 2000), glm::vec3(1200, 900, -1323)}) {
         const Pose pose = lookAt(from, {0, 0, 0}, 0.012f);
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             const Seen seen = transmittance(plain(), sceneOf({point}, kInside), way, pose, kWidth, kHeight);
             judge("camera 2 km away: transmittance", way, seen.error, allowed(2000, k, 3));
             EXPECT_LT(seen.lowest, 0.1);
@@ -29,7 +29,7 @@ TEST_F(HardTest, FromTwoKilometres) {
 TEST_F(HardTest, TheNearerOneHidesTheFarther) {
     const float scale = 6, falloff = 1.6f;
     for (const float distance : {20.0f, 99.0f, 101.0f, 150.0f, 2000.0f})
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             Point red = thick({0, 0, 6}, scale, 30, falloff), green = thick({0, 0, -6}, scale, 30, falloff);
             red.albedo = {1, 0, 0};
             green.albedo = {0, 1, 0};
@@ -87,7 +87,7 @@ TEST_F(HardTest, AWorldAMillionMetresAway) {
     const auto pose = [](const Scene& scene) {
         return lookAt(scene.camera.position, scene.camera.target, scene.camera.fov_y);
     };
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(here, way);
         choose(there, way);
         const Picture near = stage_here.see(here, pose(here), kWidth, kHeight);

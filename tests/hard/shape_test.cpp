@@ -68,7 +68,7 @@ TEST_F(HardTest, ZeroVolume) {
         {{{4.9e4f, -4.9e4f, 4.9e4f}, 1e-3f, 1e4f}, lookAt({-4.9e4f, 0, 0}, {4.9e4f, -4.9e4f, 4.9e4f}, 0.05f), 1.6f},
         {{{0, 0, 0}, 1e-3f, 1e-9f}, lookAt({0, 0, 3}, {0, 0, 0}, 0.6f), 1.6f}};
     for (const auto& one : cases)
-        for (const Way& way : ways()) {
+        for (const Way& way : waysAndSampled()) {
             // Less than a thousandth of a pixel: nothing to see, at most where a pixel's centre happens to meet it.
             const Seen seen =
                 transmittance(plain(), sceneOfShape({one.point}, one.falloff), way, one.pose, kWidth, kHeight);
@@ -79,7 +79,7 @@ TEST_F(HardTest, ZeroVolume) {
 // u -> 0: a tenth of a millimetre. u -> huge: ten kilometres, seen from within and from beside. Naive: k^2 b^2 from 1 /
 // u^2 overflows or cancels; erf(a + h) - erf(a) of a wide Gaussian is 0.
 TEST_F(HardTest, TheSmallestAndTheLargestWidth) {
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         const Point tiny{{0, 0, 0}, 1e-3f, 1e4f}; // u = 1e-4, depth 0.25
         const Seen small = transmittance(plain(), sceneOfShape({tiny}, 0.1f), way,
                                          lookAt({0, 0, 0.1f}, {0, 0, 0}, 0.004f), kWidth, kHeight);
@@ -148,7 +148,7 @@ TEST_F(HardTest, CoincidentParticlesOfTwoColours) {
     Scene scene = sceneOf(points, 1.6f);
     scene.render.shadow_size = 64;
     const Pose pose = lookAt({0.3f, 0.5f, 9}, {0, 0, 0}, 0.6f);
-    for (const Way& way : ways()) {
+    for (const Way& way : waysAndSampled()) {
         choose(scene, way);
         const Picture first = plain().see(scene, pose, kWidth, kHeight);
         int different = 0;
