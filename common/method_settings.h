@@ -6,6 +6,9 @@
 namespace brume::setting_rows {
 
 inline constexpr std::string_view kIsvQuadratures[]{"simpson", "transmittance", "analytic", "taylor"};
+inline constexpr std::string_view kOrientations[]{"aligned", "random"};
+inline constexpr std::string_view kNearPlanes[]{"clip", "drop"};
+inline constexpr std::string_view kEarlyReturns[]{"sum", "fixed", "none"};
 inline constexpr std::string_view kTilesQuadratures[]{"cached", "hermite"};
 inline constexpr std::string_view kTilesLights[]{"fit", "path"};
 inline constexpr std::string_view kUnionShadows[]{"exact", "nearest", "binary", "none"};
@@ -34,6 +37,20 @@ inline constexpr SceneSetting kMethodSettings[]{
      "True: shadows of objects in the medium are means over 5x5 texels of their map", kOperators},
     {"render.isv.multiple", at<&P::render, &R::isv, &IsvSettings::multiple>, "", limits::kPart,
      "Part of a term for multiple scattering, as printed in the dissertation: it is not physical", kOperators},
+    {"render.isv.orientation", at<&P::render, &R::isv, &IsvSettings::orientation>, "", kNone,
+     "How tetrahedra are turned: all alike (`aligned`), or each by chance (`random`)", kNobody, Form::plain,
+     kOrientations},
+    {"render.isv.near", at<&P::render, &R::isv, &IsvSettings::near>, "", kNone,
+     "A particle whose ball meets the near plane: what is behind the plane is drawn (`clip`), or nothing (`drop`)",
+     kNobody, Form::plain, kNearPlanes},
+    {"render.isv.early_return", at<&P::render, &R::isv, &IsvSettings::early_return>, "", kNone,
+     "Intervals that are left out: of less optical depth than a particle's share of render.cutoff (`sum`), than 0.001 "
+     "(`fixed`), or `none`",
+     kNobody, Form::plain, kEarlyReturns},
+    {"render.isv.taylor_step", at<&P::render, &R::isv, &IsvSettings::taylor_step>, "m", limits::kTaylorStep,
+     "`taylor`: step of its differences; `auto`: 1/16 of the interval", kNobody, Form::or_auto},
+    {"render.isv.taylor_shadows", at<&P::render, &R::isv, &IsvSettings::taylor_shadows>, "", kNone,
+     "`taylor`. False: objects do not shadow the medium"},
     {"render.tetrahedra.nodes", at<&P::render, &R::tetrahedra, &TetrahedraSettings::nodes>, "",
      limits::kTetrahedraNodes, "Places in each part of a tetrahedron on a ray for which light is looked up",
      kOperators},

@@ -16,6 +16,12 @@ struct IsvSettings {
     bool fading = true;                 // False: all of a tetrahedron has the extinction of its centre
     bool soft_shadows = false;          // True: shadows of objects in the medium are means over 5x5 texels
     float multiple = 0;                 // m, in [0, 1]: of a term for multiple scattering that is not physical
+    // As the dissertation or its program has it.
+    std::string orientation = "aligned"; // aligned | random: of the tetrahedra, random by a particle's number
+    std::string near = "clip";           // clip | drop: particles that the near plane meets
+    std::string early_return = "sum";    // sum | fixed | none: which intervals are left out as too thin
+    float taylor_step = kAuto;           // taylor: m between its nodes; auto: 1/16 of the interval
+    bool taylor_shadows = true;          // taylor. False: objects do not shadow the medium
 
     bool operator==(const IsvSettings&) const = default;
 };
@@ -155,9 +161,12 @@ struct RenderSettings : MethodSettings {
     std::string scattering =
         "single"; // single | octaves | propagation: how often light may scatter, and by which model
     float exposure = 1;
-    std::string tone_map = "filmic";    // filmic | linear
-    uint32_t shadow_size = kAuto;       // volumetric shadow map: texels a side; auto: from the medium and shadow_error
-    uint32_t shadow_slices = kAuto;     // its planes, 2...128; auto: the same
+    std::string tone_map = "filmic"; // filmic | linear
+    uint32_t shadow_size = kAuto;    // volumetric shadow map: texels a side; auto: from the medium and shadow_error
+    uint32_t shadow_slices = kAuto;  // its planes, 2...128; auto: the same
+    // What it holds: sums, the depth before each place; fronts, whole particles, each from the plane behind its front.
+    std::string shadow_map = "sums";
+    float shadow_extent = kAuto;        // m, of its sides, around the camera's target; auto: what holds the medium
     float shadow_error = 3e-3f;         // relative error of the light in the medium, where the map's size is automatic
     uint32_t opaque_shadow_size = 1024; // texels a side
     float cutoff = 5e-2f;               // optical depth: bound on the SUM that proxies leave out on any ray

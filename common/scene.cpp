@@ -278,6 +278,8 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
     if (out.medium.model == kUnionMedium && out.render.scattering != "single")
         throw SceneError("render.scattering: \"" + out.render.scattering + "\"; a union medium needs \"single\"");
+    if (out.render.shadow_map == "fronts" && out.medium.model != kSumMedium)
+        throw SceneError("render.shadow_map: \"fronts\"; medium.model = \"" + out.medium.model + "\" needs \"sums\"");
     if (out.render.sprites.maps == "files")
         for (const char* side : {"-positive.png", "-negative.png"})
             if (!std::filesystem::is_regular_file(out.medium.sprite_maps.string() + side))

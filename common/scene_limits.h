@@ -71,8 +71,10 @@ inline constexpr Limits kGlasses{0, 16}, kTilt{-1.6, 1.6}; // how many; rad
 inline constexpr Limits kMerge{0, 8};                      // pixels: beyond, nothing of a picture is left
 inline constexpr Limits kError{1e-5, 1}, kFlip{1e-5, 1};
 inline constexpr Limits kShadowError{1e-4, 0.1}, kLightTolerance{0, 1}, kLeastTransmittance{0, 0.1};
-inline constexpr Limits kShadowSize{16, 1024}, kOpaqueShadowSize{16, 8192}, kCutoff{0, 0.1};
-inline constexpr Limits kShadowSlices{2, 193}; // a tile's list has bits for 32 groups of six
+inline constexpr Limits kShadowSize{8, 1024}, kOpaqueShadowSize{16, 8192}, kCutoff{0, 0.1};
+inline constexpr Limits kShadowSlices{2, 193};   // a tile's list has bits for 32 groups of six
+inline constexpr Limits kShadowExtent{0.1, 1e4}; // m
+inline constexpr Limits kTaylorStep{1e-4, 10};   // m: the program of seed 000 has 1e-3
 
 } // namespace limits
 } // namespace brume

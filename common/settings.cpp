@@ -20,6 +20,7 @@ constexpr std::string_view kUps[]{"y", "z", "x", "-y"}, kFarPoints[]{"keep", "dr
 constexpr std::string_view kLights[]{kDirectional, kPoint, kSpot};
 constexpr std::string_view kPlacesOfObjects[]{kNoObjects, kCourtyard, kStreet, kIslands, kAtrium};
 constexpr std::string_view kToneMaps[]{"filmic", "linear"};
+constexpr std::string_view kShadowMaps[]{"sums", "fronts"};
 constexpr std::string_view kScatterings[]{"single", "octaves", "propagation"};
 
 constexpr SceneSetting kBeforeMethods[]{
@@ -295,6 +296,13 @@ constexpr SceneSetting kBeforeMethods[]{
      "Side of the volumetric shadow map; `auto`: as the medium and render.shadow_error need", kNobody, Form::or_auto},
     {"render.shadow_slices", at<&P::render, &R::shadow_slices>, "", limits::kShadowSlices,
      "Planes of the volumetric shadow map; `auto`: as the medium and render.shadow_error need", kNobody, Form::or_auto},
+    {"render.shadow_map", at<&P::render, &R::shadow_map>, "", kNone,
+     "What the volumetric shadow map holds: optical depths before each place (`sums`), or whole particles behind their "
+     "`fronts`, as printed in the dissertation",
+     kNobody, Form::plain, kShadowMaps},
+    {"render.shadow_extent", at<&P::render, &R::shadow_extent>, "m", limits::kShadowExtent,
+     "Side of the cube around the camera's target that the map covers; `auto`: what holds the medium", kNobody,
+     Form::or_auto},
     {"render.shadow_error", at<&P::render, &R::shadow_error>, "", limits::kShadowError,
      "Relative error of the light that a shadow map of automatic size may make"},
     {"render.opaque_shadow_size", at<&P::render, &R::opaque_shadow_size>, "texels", limits::kOpaqueShadowSize,

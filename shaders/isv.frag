@@ -5,6 +5,7 @@
 // eq. 8).
 #include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
+#include "shaders/shared/orientation.h"
 
 #include "shaders/blocks/axes.glsl"
 #include "shaders/blocks/eye.glsl"
@@ -22,10 +23,17 @@ layout(constant_id = kIdQuadrature) const uint kQuadrature = 0;
 layout(constant_id = kIdSteps) const int kSteps = 2;
 layout(constant_id = kIdFading) const bool kFading = true;
 layout(constant_id = kIdLegacyTerm) const bool kLegacyTerm = false;
+layout(constant_id = kIdTurned) const bool kTurned = false;
+layout(constant_id = kIdTaylorStep) const bool kTaylorStep = false;
+layout(constant_id = kIdTaylorShadows) const bool kTaylorShadows = true;
 
-layout(push_constant, scalar) uniform Push { vec2 multiple; } push; // x: m of eq. 11; y: nothing
+layout(push_constant, scalar) uniform Push {
+    float multiple;    // m of eq. 11
+    float taylor_step; // m
+} push;
 
 #include "shaders/lib/medium_shading.glsl"
+#include "shaders/lib/early_return.glsl"
 
 // The part of the ray inside the tetrahedron, from its four face planes in particle-centred coordinates.
 vec2 intervalFromPlanes(vec3 w, vec3 centre, float scale) {
@@ -57,6 +65,11 @@ void drawParticle() {
         way = inSemiAxes(ray.w, own.a, own.b, own.c);
     }
     const bool clipped = (particle_clipped & 1) != 0;
+    if (kTurned && clipped) {
+        const vec4 q = orientationOf(particle_clipped >> 1);
+        from_planes = turnedBack(q, from_planes);
+        way = turnedBack(q, way);
+    }
     vec2 interval = clipped ? intervalFromPlanes(way, from_planes, scale) : per_depth / inverse_depth;
     interval = vec2(max(interval.x, ray.begin), min(interval.y, ray.end));
     if (!(interval.y > interval.x)) discard;
@@ -65,7 +78,7 @@ void drawParticle() {
     const GaussianSegment segment =
         gaussianSegment(albedo_sigma.w, k, ray.b2, k * (interval.x - ray.closest), k * length);
     const float depth = kFading ? segment.depth : albedo_sigma.w * length;
-    if (depth < tick.cut) discard; // seed 000 section 3.11; the cut bounds the sum over all particles
+    if (kEarlyReturn != kReturnNone && depth < leastDepth()) discard;
 
     float scattered = 0;
     if (kQuadrature == 1) {
@@ -86,10 +99,11 @@ void drawParticle() {
             const int nodes = kQuadrature == 3 ? 3 : 2 * kSteps + 1;
             for (int j = 0; j < nodes; ++j) {
                 RuleNode rule = simpsonRule(j, kSteps);
-                if (kQuadrature == 3) rule = taylorRule(j);
+                if (kQuadrature == 3) rule = taylorRule(j, kTaylorStep ? push.taylor_step / length : 0.0625);
                 const float source = kFading ? segmentSource(segment, rule.along) : evenSource(depth, rule.along);
                 float light = exp(-mix(light_in, light_out, rule.along));
-                if (kHasCasters) light *= visibilityAt(ray, interval.x + length * rule.along);
+                if (kHasCasters && (kQuadrature != 3 || kTaylorShadows))
+                    light *= visibilityAt(ray, interval.x + length * rule.along);
                 scattered += rule.weight * source * light;
             }
             // The opacity bounds Simpson's sum, whose nodes may be too far apart. The series keeps what it has too
@@ -100,7 +114,7 @@ void drawParticle() {
     if (kLegacyTerm) {
         const float middle = segment.a + 0.5 * segment.h;
         const float part = kFading ? gaussianAcross(k, ray.b2) * exp(-middle * middle) : 1;
-        scattered += legacyMultiple(part, push.multiple.x);
+        scattered += legacyMultiple(part, push.multiple);
     }
     radiance_transmittance = composed(ray, albedo_sigma.rgb, scattered, depth);
 }

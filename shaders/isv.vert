@@ -3,6 +3,7 @@
 #extension GL_EXT_scalar_block_layout : require
 // Interval shading for devices without mesh shaders: an instance is a particle, its 12 vertices are 4 triangles of
 // the fan.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
 #include "shaders/blocks/axes.glsl"
@@ -22,9 +23,9 @@ void main() {
     const uint particle = order[gl_InstanceIndex];
     const Particle p = particles[particle];
     const vec3 c = p.centre - eye.position;
-    IntervalProxy proxy;
-    if (kEllipsoids) proxy = intervalProxy(c, p.scale, mat3(axes[particle].a, axes[particle].b, axes[particle].c));
-    else proxy = intervalProxy(c, p.scale, mat3(1));
+    mat3 own = mat3(1);
+    if (kEllipsoids) own = mat3(axes[particle].a, axes[particle].b, axes[particle].c);
+    const IntervalProxy proxy = intervalProxy(c, p.scale, tetrahedronAxes(particle, own));
     const uint triangle = gl_VertexIndex / 3;
     const uint i = triangle < proxy.ring ? fanVertex(triangle, gl_VertexIndex % 3, proxy.ring) : 0;
     gl_Position = vec4(proxy.ndc[i], 0, 1);

@@ -12,6 +12,7 @@
 #include "shaders/shared/show.h"
 #include "shaders/shared/show_colours.h"
 #include "shaders/shared/support.h"
+#include "shaders/shared/orientation.h"
 #include "shaders/shared/transmittance.h"
 #include "shaders/lib/view.glsl"
 
@@ -19,6 +20,8 @@ layout(local_size_x = 16, local_size_y = 16) in;
 
 layout(constant_id = kIdShow) const uint kShow = kShowOverdraw;
 layout(constant_id = kIdFading) const bool kFading = true; // false: all of a tetrahedron has its centre's extinction
+layout(constant_id = kIdTurned) const bool kTurned = false; // these two: as isv.vert
+layout(constant_id = kIdDropsNear) const bool kDropsNear = false;
 layout(constant_id = kIdHasOpaque) const bool kHasOpaque = true;
 layout(constant_id = kIdHasCasters) const bool kHasCasters = true;
 
@@ -34,6 +37,7 @@ layout(push_constant, scalar) uniform Push { ShowPush push; };
 
 Tick tick; // of the extinction itself, whatever hue is drawn
 
+#include "shaders/lib/early_return.glsl"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/light.glsl"
@@ -53,6 +57,7 @@ shared uint colours[kSquares * kSquares];
 shared vec4 item[kLanes];    // centre relative to the eye (m), scale; of an error: its pixel, the error
 shared vec2 amount[kLanes];  // extinction at the centre (1/m), radius (m); of `light`: the light's part
 shared uint taken[kLanes / 32];
+shared vec4 orientation[kTurned ? kLanes : 1]; // of their tetrahedra
 
 // The ray of a square's middle, and what was gathered on it.
 struct Pixel {
@@ -63,12 +68,14 @@ struct Pixel {
 Pixel own[kOwn];
 uint bits[kWords];
 
+// True: what is drawn of a particle is its tetrahedron.
+bool isTetrahedron() { return kShow == kShowWasted || (kShow == kShowOverdraw && push.spheres == 0); }
+
 float radiusOf(float scale, float sigma_t) {
     const float support = supportRadius(sigma_t, scale * tick.falloff, tick.cut);
     if (kShow == kShowDepth) return 4 / gaussianK(scale, tick.falloff); // beyond, there is a part of 1e-8
     if (kShow == kShowLight) return support < 0 ? support : kDisc * scale;
-    const bool tetrahedron = kShow == kShowWasted || (kShow == kShowOverdraw && push.spheres == 0);
-    return tetrahedron && (support > 0 || !kFading) ? scale : support;
+    return isTetrahedron() && (support > 0 || !kFading) ? scale : support;
 }
 
 // True: the ball meets the cone and is not behind the near plane.
@@ -92,7 +99,9 @@ bool load(uint i, uint slot, PixelCone cone, vec2 middle, float half_tile) {
     const float radius = radiusOf(p.scale, p.sigma_t);
     item[slot] = vec4(p.centre - eye.position, p.scale);
     amount[slot] = vec2(p.sigma_t, radius);
-    const bool is_near = meets(cone, item[slot].xyz, radius);
+    bool is_near = meets(cone, item[slot].xyz, radius);
+    if (kTurned) orientation[slot] = orientationOf(push.every * i);
+    if (kDropsNear && isTetrahedron() && -dot(eye.back, item[slot].xyz) - p.scale < eye.near_depth) is_near = false;
     if (kShow == kShowLight && is_near) {
         float light = exp(-lightDepthAnywhere(toShadowVolume(p.centre)));
         if (kHasCasters) light *= visibility(toLightSpace(p.centre));
@@ -150,8 +159,11 @@ void gather(inout Pixel pixel, uint slot) {
     }
     const float chord = sqrt(max(radius * radius - b2, 0));
     vec2 interval = vec2(closest - chord, closest + chord);
-    if (kShow == kShowWasted || (kShow == kShowOverdraw && push.spheres == 0))
-        interval = inTetrahedron(w, centre, scale);
+    if (isTetrahedron()) {
+        if (kTurned)
+            interval = inTetrahedron(turnedBack(orientation[slot], w), turnedBack(orientation[slot], centre), scale);
+        else interval = inTetrahedron(w, centre, scale);
+    }
     interval = vec2(max(interval.x, begin), min(interval.y, end));
     if (!(interval.y > interval.x)) return;
     if (kShow == kShowRays) {
@@ -163,7 +175,7 @@ void gather(inout Pixel pixel, uint slot) {
         const float inside = interval.y - interval.x;
         const float depth = kFading ? segmentDepth(sigma_t, k, b2, k * (interval.x - closest), k * inside)
                                     : sigma_t * inside;
-        if (depth < tick.cut) pixel.sum.y += 1;
+        if (depth < leastDepth()) pixel.sum.y += 1;
     }
 }
 

@@ -166,7 +166,12 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.extinction = 1;
     tick.channels = gpu::kAllChannels;
 
-    const LightBounds medium = mediumBounds(particles, now.medium.model == kTetrahedraMedium, tick);
+    LightBounds medium = mediumBounds(particles, now.medium.model == kTetrahedraMedium, tick);
+    if (now.render.shadow_extent > 0) {
+        const glm::vec3 middle = inLightSpace(tick, scene.camera.target);
+        medium.lo = middle - 0.5f * now.render.shadow_extent;
+        medium.hi = middle + 0.5f * now.render.shadow_extent;
+    }
     tick.map.lo = medium.lo;
     tick.map.hi = medium.hi;
     const glm::vec3 size = medium.hi - medium.lo;

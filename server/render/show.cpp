@@ -4,6 +4,7 @@
 
 #include "server/encode/picture.h"
 #include "server/inputs/constants.h"
+#include "server/methods/isv/quadrature.h"
 #include "shaders/show_comp.h"
 
 namespace brume {
@@ -72,8 +73,14 @@ bool hasNothing(LegendOf legend) {
     return legend == LegendOf::no_rays || legend == LegendOf::no_gaussians || legend == LegendOf::no_sun_light;
 }
 
-// False: all of a tetrahedron has the extinction of its centre.
-bool fades(const RenderSettings& settings) { return settings.method != "isv" || settings.isv.fading; }
+// How particles are drawn that `wasted` and `overdraw` ask for. Other views do not ask.
+gpu::Constants drawnAs(const RenderSettings& settings, bool asks) {
+    const IsvSettings isv = asks && settings.method == "isv" ? settings.isv : IsvSettings{};
+    return {{gpu::kIdFading, isv.fading},
+            {gpu::kIdTurned, methods::isv::isTurned(isv)},
+            {gpu::kIdDropsNear, methods::isv::dropsNear(isv)},
+            {gpu::kIdEarlyReturn, methods::isv::earlyReturnId(isv)}};
+}
 
 } // namespace
 
@@ -171,12 +178,9 @@ void Show::record(gpu::Commands& commands, const ViewGroup& group) {
                                  .legend_scale =
                                      std::max(1u, std::min(view.eye.size.y / 360, view.eye.size.x / placed.size.x))};
         gpu::computeToCompute(cmd);
-        // Others do not ask.
-        const bool asks = show == gpu::kShowWasted || show == gpu::kShowOverdraw;
-        const bool fading = !asks || fades(*in.shared->settings);
-        program_
-            .with(constantsOf(in.shared->features),
-                  {{gpu::kIdShow, show}, {gpu::kIdFading, fading}, {gpu::kIdFull, full_}})
+        gpu::Constants own = drawnAs(*in.shared->settings, show == gpu::kShowWasted || show == gpu::kShowOverdraw);
+        own.insert(own.end(), {{gpu::kIdShow, show}, {gpu::kIdFull, full_}});
+        program_.with(constantsOf(in.shared->features), own)
             .bind(commands, group.resources,
                   {group.blockOf(i), gpu::storageBuffer("Legends", legends_), gpu::storageBuffer("Discs", discs_)},
                   push);

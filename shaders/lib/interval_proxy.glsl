@@ -15,7 +15,11 @@ const vec3 kTetrahedron[4] =
     vec3[](vec3(0.57735026919), vec3(0.57735026919, -0.57735026919, -0.57735026919),
            vec3(-0.57735026919, 0.57735026919, -0.57735026919), vec3(-0.57735026919, -0.57735026919, 0.57735026919));
 
+layout(constant_id = kIdTurned) const bool kTurned = false;
+layout(constant_id = kIdDropsNear) const bool kDropsNear = false;
+
 #include "shaders/lib/frustum.glsl"
+#include "shaders/shared/orientation.h"
 
 vec3 toView(vec3 c) { // clip x, y, w
     const float depth = -dot(eye.back, c);
@@ -50,10 +54,27 @@ IntervalProxy clippedProxy(vec3 v[4]) {
     return proxy;
 }
 
-// `c`: centre of the particle relative to the eye (m). `axes`: its semi-axes, of a ball the unit matrix.
+// The axes of particle `number`'s tetrahedron from its semi-axes, of a ball the unit matrix.
+mat3 tetrahedronAxes(uint number, mat3 axes) {
+    if (!kTurned) return axes;
+    const vec4 q = orientationOf(number);
+    return axes * mat3(turned(q, vec3(1, 0, 0)), turned(q, vec3(0, 1, 0)), turned(q, vec3(0, 0, 1)));
+}
+
+// `c`: centre of the particle relative to the eye (m). `axes`: tetrahedronAxes().
 IntervalProxy intervalProxy(vec3 c, float scale, mat3 axes) {
     vec3 v[4];
     bool crosses = false;
+    if (kDropsNear && -dot(eye.back, c) - scale < eye.near_depth) { // seed 000 section 2.3.4
+        IntervalProxy none;
+        none.ring = 0;
+        none.clipped = false;
+        for (uint i = 0; i < 5; ++i) {
+            none.ndc[i] = vec2(0);
+            none.inverse_depth[i] = vec2(1);
+        }
+        return none;
+    }
     for (uint i = 0; i < 4; ++i) {
         v[i] = toView(c + scale * (axes * kTetrahedron[i]));
         crosses = crosses || v[i].z < eye.near_depth;

@@ -37,9 +37,18 @@ const uint kIdLockstep = 10u; // bool: those lanes are all of their subgroup, an
 // Method `isv`.
 const uint kIdQuadrature = 11u; // 0: Simpson, 1: in transmittance, 2: analytic, 3: Taylor
 const uint kIdSteps = 12u;
-const uint kIdFading = 37u;      // bool: extinction fades from a particle's centre; else it is even
-const uint kIdSoftShadows = 38u; // bool: shadows of objects in the medium are means over 5x5 texels
-const uint kIdLegacyTerm = 39u;  // bool: the dissertation's term for multiple scattering is added
+const uint kIdFading = 37u;        // bool: extinction fades from a particle's centre; else it is even
+const uint kIdSoftShadows = 38u;   // bool: shadows of objects in the medium are means over 5x5 texels
+const uint kIdLegacyTerm = 39u;    // bool: the dissertation's term for multiple scattering is added
+const uint kIdTurned = 46u;        // bool: each tetrahedron is turned by chance (orientation.h)
+const uint kIdDropsNear = 47u;     // bool: particles that the near plane meets are not drawn
+const uint kIdEarlyReturn = 48u;   // which intervals are left out: kReturnSum and so on
+const uint kIdTaylorStep = 49u;    // bool: the Taylor series has a step of its own
+const uint kIdTaylorShadows = 51u; // bool: objects shadow the medium with the Taylor series, too
+const uint kReturnSum = 0u, kReturnFixed = 1u, kReturnNone = 2u;
+
+// The volumetric shadow map.
+const uint kIdFronts = 52u; // bool: a particle's whole optical depth counts from the plane behind its front on
 
 // Method `tiles`.
 const uint kIdCached = 13u;        // bool: light is looked up once for each particle, not at each pixel

@@ -90,12 +90,12 @@ BRUME_FN BRUME_OF(RuleNode) simpsonRule(int j, int n) {
 // Taylor series about the middle a of the interval, four terms, with forward differences as derivatives (seed 000
 // section 3.9): the sum of f^(n)(a) (x - a)^(n + 1) / (n + 1)! for n = 0 ... 3, at the end less that at the begin.
 // Terms of odd n are equal at both and cancel. The mean that is left is f(a) + length^2 f''(a) / 24, from nodes j = 0
-// ... 2 at a + j steps. A step is 1/16 of the length; the seed prints none. Exact for polynomials of degree 2. Of
+// ... 2 at a + j steps. `step`: a part of the length; the seed prints none. Exact for polynomials of degree 2. Of
 // degree 3 it errs by f''' step length^2 / 24. The series does not converge over a particle: a control that fails.
-BRUME_FN BRUME_OF(RuleNode) taylorRule(int j) {
-    const real second = real(16 * 16) / real(24);
+BRUME_FN BRUME_OF(RuleNode) taylorRule(int j, real step) {
+    const real second = real(1) / (real(24) * step * step);
     BRUME_OF(RuleNode) node;
-    node.along = real(0.5) + real(j) / real(16);
+    node.along = real(0.5) + real(j) * step;
     node.weight = j == 0 ? real(1) + second : (j == 1 ? real(-2) * second : second);
     return node;
 }

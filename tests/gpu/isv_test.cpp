@@ -1,8 +1,11 @@
 // Interval shading: proxies, intervals, both ways of drawing, the quadratures.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <utility>
 
+#include "shaders/shared/orientation.h"
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/quadrature.h"
 
@@ -28,10 +31,16 @@ protected:
         double lowest = 1; // transmittance
         int covered = 0;   // pixels
     };
-    // The transmittance of one tetrahedron at every pixel against its closed form.
-    Seen compare(const Point& point, float falloff, const Pose& pose) {
-        const Scene scene = isvScene({point}, falloff);
-        const reference::Blob blob = blobsOf(scene)[0];
+    // The transmittance of one tetrahedron at every pixel against its closed form. `number`: of the particle, which is
+    // turned by chance; nothing: it is as all are.
+    Seen compare(const Point& point, float falloff, const Pose& pose, std::optional<uint32_t> number = {}) {
+        std::vector<Point> points(number.value_or(0), Point{{0, 0, 0}, 1, 0}); // not seen
+        points.push_back(point);
+        Scene scene = isvScene(points, falloff);
+        if (number) scene.render.isv.orientation = "random";
+        const reference::Blob blob = blobsOf(scene).back();
+        const glm::dvec4 turn = number ? glm::dvec4(gpu::orientationOf(*number)) : glm::dvec4(0, 0, 0, 1);
+        const glm::dquat back = glm::conjugate(glm::dquat(turn.w, turn.x, turn.y, turn.z));
         const Picture picture = plain().see(scene, pose, kWidth, kHeight);
         const glm::dvec3 corner = pixelDirection(pose, kWidth, kHeight, 0, 0);
         const glm::dvec3 right = pixelDirection(pose, kWidth, kHeight, 1, 0) - corner,
@@ -43,7 +52,8 @@ protected:
             const glm::dvec3 here = pixelDirection(pose, kWidth, kHeight, x, y),
                              there = here + off.x * right + off.y * down;
             const double scale = glm::length(here) / glm::length(there); // of distances, where view depths are the same
-            const Interval inside = test::insideTetrahedron(blob, {ray.eye, glm::normalize(there), ray.begin / scale});
+            const Interval inside = test::insideTetrahedron(
+                blob, {blob.centre + back * (ray.eye - blob.centre), back * glm::normalize(there), ray.begin / scale});
             return std::exp(-depthOn(blob, ray, {inside.begin * scale, inside.end * scale}));
         };
         const double most = subpixel(device()); // vertices are rounded where they are drawn
@@ -87,6 +97,31 @@ TEST_F(IsvTest, TransmittanceFromOutside) {
     EXPECT_GT(partly, 8);
 }
 
+// As above, and with the eye at edges, faces and vertices, and so near that the near plane cuts: tetrahedra that are
+// turned by chance, each by its number.
+TEST_F(IsvTest, TransmittanceOfTurnedTetrahedra) {
+    Random random(4);
+    int covered = 0, cut = 0;
+    for (uint32_t i = 0; i < 60; ++i) {
+        const Point point{random.inCube(3), random.uniform(0.5f, 3), random.uniform(0.3f, 4)};
+        const glm::vec4 turn = gpu::orientationOf(i);
+        const auto vertex = [&](int v) { return point.centre + point.scale * gpu::turned(turn, kVertices[v]); };
+        const glm::vec3 away = random.direction() * point.scale, along = vertex(1) - vertex(0);
+        const glm::vec3 face = (vertex(0) + vertex(1) + vertex(2)) / 3.0f;
+        const Pose poses[] = {lookAt(point.centre + away * random.uniform(1.3f, 4), point.centre, 0.8f),
+                              lookAt(vertex(0) - 2.0f * along, point.centre, 0.6f),
+                              lookAt(face + 3.0f * along, face, 0.6f), // in the plane of a face
+                              lookAt(vertex(2), point.centre, 1), lookAt(point.centre + 0.2f * away, face, 1)};
+        const Pose& pose = poses[i % std::size(poses)];
+        const Seen seen = compare(point, i % 3 ? 8 : 1.6f, pose, i);
+        EXPECT_LT(seen.excess, kFloat) << i;
+        covered += seen.covered > 100;
+        cut += i % std::size(poses) == 4 && seen.covered > 100;
+    }
+    EXPECT_GT(covered, 40);
+    EXPECT_GT(cut, 8);
+}
+
 // --- both paths ---
 
 // The vertices are the same, but a driver may place them in the picture an ulp apart: Mesa's vertex path contracts what
@@ -109,7 +144,10 @@ TEST_F(GpuTest, MeshAndVertexShadersDrawTheSame) {
         lookAt(vertex(11, 2), particles[11].centre, 0.9f),                            // at a vertex
         lookAt({0, 0, 5}, {0, 0, 20}, 1.5f),                                          // away from most
     };
-    for (const Pose& pose : poses) {
+    std::vector<std::pair<Pose, const char*>> both;
+    for (const Pose& pose : poses) both.insert(both.end(), {{pose, "aligned"}, {pose, "random"}});
+    for (const auto& [pose, orientation] : both) {
+        scene.render.isv.orientation = orientation;
         const Picture mesh = plain().see(scene, pose, kWidth, kHeight),
                       vertices = plainWithoutMesh().see(scene, pose, kWidth, kHeight);
         float lowest = 1, brightest = 0;

@@ -42,32 +42,7 @@ class ShadowVolumeTest : public GpuTest {
 protected:
     // The texels of all planes of `scene`'s volume, plane after plane.
     std::vector<float> texelsOf(const Scene& scene, const std::vector<gpu::Particle>& particles, gpu::Tick& tick) {
-        return texelsOf(device(), volume_, scene, particles, tick);
-    }
-
-    static std::vector<float> texelsOf(const gpu::Device& device, ShadowVolume& volume, const Scene& scene,
-                                       const std::vector<gpu::Particle>& particles, gpu::Tick& tick) {
-        tick = tickOf(scene, particles);
-        recordAndWait(device, tick, "Particles", particles, [&](gpu::Commands& commands, gpu::Resources& shared) {
-            EXPECT_TRUE(volume.record(commands, shared, tick));
-        });
-        const std::vector<float> stored = readImage(device, volume.image(), 4);
-        const size_t area = size_t(tick.map.texels.x) * tick.map.texels.y;
-        std::vector<float> texels(area * tick.map.slices);
-        for (uint32_t plane = 0; plane < tick.map.slices; ++plane) {
-            // Planes 3, 6, ... are in two layers: the last of one, the first of the next.
-            for (uint32_t layer = 0; layer < volume.image().layers(); ++layer) {
-                if (plane < 3 * layer || plane > 3 * layer + 3) continue;
-                for (size_t i = 0; i < area; ++i) {
-                    const float value = stored[(layer * area + i) * 4 + (plane - size_t(3) * layer)];
-                    if (plane == 3 * layer && layer > 0) {
-                        EXPECT_EQ(texels[plane * area + i], value) << "a shared plane differs";
-                    }
-                    texels[plane * area + i] = value;
-                }
-            }
-        }
-        return texels;
+        return shadowTexels(device(), volume_, scene, particles, tick);
     }
 
     // Every `stride`-th texel of every plane against the sum over all particles.
@@ -228,7 +203,7 @@ TEST_F(ShadowVolumeTest, FewerLanes) {
             scene.render.shadow_size = size;
             gpu::Tick tick;
             const std::vector<float> usual = texelsOf(scene, particles, tick),
-                                     texels = texelsOf(few, other, scene, particles, tick);
+                                     texels = shadowTexels(few, other, scene, particles, tick);
             ASSERT_EQ(texels.size(), usual.size());
             const float left_out = tick.cut * float(particles.size());
             for (size_t i = 0; i < usual.size(); ++i)

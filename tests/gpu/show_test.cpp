@@ -4,6 +4,7 @@
 
 #include "server/effects/shadow_volume/shadow_volume.h"
 #include "server/render/legend.h"
+#include "shaders/shared/orientation.h"
 #include "shaders/shared/support.h"
 #include "shaders/shared/transmittance.h"
 #include "tests/gpu/light_passes.h"
@@ -57,17 +58,26 @@ TEST_F(ShowTest, DrawnAndWastedTogetherAreAll) {
     scene.render.cutoff = 0.1f;
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     const gpu::Tick tick = tickOf(scene, particles);
-    for (const bool fading : {true, false}) {
+    for (const auto& [fading, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
         scene.render.isv.fading = fading;
+        scene.render.isv.orientation = printed ? "random" : "aligned";
+        scene.render.isv.early_return = printed ? "fixed" : "sum";
+        scene.render.isv.near = printed ? "drop" : "clip";
+        const double least = printed ? 1e-3 : double(tick.cut);
+        SCOPED_TRACE(testing::Message() << fading << ' ' << printed);
         const Shown overdraw = see(scene, gpu::kShowOverdraw), wasted = see(scene, gpu::kShowWasted);
         size_t pixels = 0, wrong = 0, drawn_ones = 0, wasted_ones = 0;
         eachPixel([&](uint32_t x, uint32_t y, glm::dvec3 w) {
             int all = 0, below = 0;
             bool close = false; // True: rounding decides
-            for (const gpu::Particle& p : particles) {
+            for (uint32_t i = 0; i < particles.size(); ++i) {
+                const gpu::Particle& p = particles[i];
+                if (printed && -(p.centre.z - kEye.z) - p.scale < 0.05f) continue;
                 const double u = double(p.scale) * double(tick.falloff);
                 if (fading && physics::supportRadius(double(p.sigma_t), u, double(tick.cut)) < 0) continue;
-                const glm::dvec2 interval = inTetrahedron(p, kEye, w);
+                const glm::vec4 turn = printed ? gpu::orientationOf(i) : glm::vec4(0, 0, 0, 1);
+                const glm::vec3 eye = p.centre + gpu::turnedBack(turn, kEye - p.centre);
+                const glm::dvec2 interval = inTetrahedron(p, eye, gpu::turnedBack(turn, glm::vec3(w)));
                 const double length = interval.y - interval.x;
                 close = close || std::abs(length) < 0.01;
                 if (!(length > 0)) continue;
@@ -78,8 +88,8 @@ TEST_F(ShowTest, DrawnAndWastedTogetherAreAll) {
                 double depth = double(p.sigma_t) * length;
                 if (fading)
                     depth = physics::segmentDepth(double(p.sigma_t), k, b2, k * (interval.x - closest), k * length);
-                close = close || std::abs(depth / double(tick.cut) - 1) < 0.01;
-                below += depth < double(tick.cut);
+                close = close || std::abs(depth / least - 1) < 0.01;
+                below += depth < least;
             }
             if (close || all == 0) return;
             ++pixels, drawn_ones += size_t(all - below), wasted_ones += size_t(below);

@@ -25,7 +25,7 @@ void main() {
     }
     for (int j = 0; j < 3; ++j) {
         const ScatterNode node = transmittanceNode(segment, j, 3);
-        const RuleNode rule = taylorRule(j);
+        const RuleNode rule = taylorRule(j, 0.0625);
         sum += node.weight * node.z + rule.weight * segmentSource(segment, rule.along) +
                evenSource(segment.depth, rule.along) + legacyMultiple(rule.along, x[i]);
     }

@@ -44,6 +44,21 @@ TEST(Plan, SettingsOfIsv) {
             variants.insert(plan->variant(one));
         }
     EXPECT_EQ(variants.size(), 32u);
+    for (const char* orientation : {"aligned", "random"})
+        for (const char* near : {"clip", "drop"})
+            for (const char* early_return : {"sum", "fixed", "none"})
+                for (int bits = 0; bits < 4; ++bits) {
+                    one.isv = {.quadrature = "taylor",
+                               .steps = 3,
+                               .orientation = orientation,
+                               .near = near,
+                               .early_return = early_return,
+                               .taylor_step = bits & 1 ? 0.1f : kAuto,
+                               .taylor_shadows = (bits & 2) != 0};
+                    variants.insert(plan->variant(one));
+                }
+    EXPECT_EQ(variants.size(), 32u + 48 - 1) << "one of them is among the first";
+    one.isv = {};
     one.isv.multiple = 0.25f;
     const uint32_t with = plan->variant(one);
     one.isv.multiple = 0.75f;

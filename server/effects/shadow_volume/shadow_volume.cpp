@@ -30,9 +30,10 @@ bool sameVolume(const gpu::Tick& a, const gpu::Tick& b) {
 
 } // namespace
 
-ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids)
-    : device_(device), particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
-                                  {{gpu::kIdLanes, device.lanesTogether()}, {gpu::kIdEllipsoids, ellipsoids}}),
+ShadowVolume::ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids, bool fronts)
+    : device_(device),
+      particles_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_particles_comp, "shadow_particles"},
+                 {{gpu::kIdLanes, device.lanesTogether()}, {gpu::kIdEllipsoids, ellipsoids}, {gpu::kIdFronts, fronts}}),
       volume_(device, {VK_SHADER_STAGE_COMPUTE_BIT, shadow_volume_comp, "shadow_volume"},
               {{gpu::kIdLanes, device.lanesTogether()},
                {gpu::kIdLockstep, device.lockstep()},

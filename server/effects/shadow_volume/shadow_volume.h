@@ -1,7 +1,8 @@
 // Volumetric shadow map (seed 000 section 3.4): the optical depth between the light and every texel of slice planes
-// in light space. A particle adds to every plane the part of its optical depth before that plane. (The seed adds all
-// of it in one slice, a bias of -8.6 %.) Particles are drawn a little narrower, since linear interpolation widens
-// them again (shaders/shared/sharpen.h).
+// in light space. A particle adds to every plane the part of its optical depth before that plane. Particles are drawn a
+// little narrower, since linear interpolation widens them again (shaders/shared/sharpen.h). With `fronts` it is as
+// printed in the seed: a particle is as wide as it is, and all of it counts from the first plane behind its front on,
+// the point of its ball (Particle::scale) that is nearest to the light.
 #pragma once
 
 #include "server/gpu/commands.h"
@@ -14,8 +15,8 @@ namespace brume {
 
 class ShadowVolume {
 public:
-    // For at most `capacity` particles. `ellipsoids`: SceneFeatures::ellipsoids.
-    ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids = false);
+    // For at most `capacity` particles. `ellipsoids`: SceneFeatures::ellipsoids; not with `fronts`.
+    ShadowVolume(const gpu::Device& device, uint32_t capacity, bool ellipsoids = false, bool fronts = false);
 
     // Records the volume of the tick's particles, or of the tetrahedra or the volume that these stand for, unless the
     // image holds it already. `shared`: TickBlock, Particles and Axes. `same_particles`: true if the particles are

@@ -9,7 +9,8 @@ namespace {
 class ShadowVolumeEffect final : public Effect {
 public:
     explicit ShadowVolumeEffect(const EffectContext& context)
-        : volume_(context.device, context.capacity, context.scene.medium.model == kEllipsoidMedium),
+        : volume_(context.device, context.capacity, context.scene.medium.model == kEllipsoidMedium,
+                  context.scene.render.shadow_map == "fronts"),
           linear_(context.device, VK_FILTER_LINEAR) {}
 
     void recordTick(gpu::Commands& commands, const EffectInputs& in, TickInputs& tick) override {

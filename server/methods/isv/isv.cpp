@@ -9,7 +9,7 @@ namespace brume::methods::isv {
 namespace {
 
 // Push of shaders/isv.frag.
-glm::vec2 pushOf(const TickInputs& tick) { return {tick.settings->isv.multiple, 0}; }
+glm::vec2 pushOf(const TickInputs& tick) { return {tick.settings->isv.multiple, tick.settings->isv.taylor_step}; }
 
 } // namespace
 
@@ -28,7 +28,12 @@ std::unique_ptr<Method> make(const MethodContext& context) {
                       {gpu::kIdSteps, settings.steps},
                       {gpu::kIdFading, settings.fading},
                       {gpu::kIdSoftShadows, settings.soft_shadows},
-                      {gpu::kIdLegacyTerm, settings.multiple > 0}};
+                      {gpu::kIdLegacyTerm, settings.multiple > 0},
+                      {gpu::kIdTurned, isTurned(settings)},
+                      {gpu::kIdDropsNear, dropsNear(settings)},
+                      {gpu::kIdEarlyReturn, earlyReturnId(settings)},
+                      {gpu::kIdTaylorStep, settings.taylor_step > 0},
+                      {gpu::kIdTaylorShadows, settings.taylor_shadows}};
     info.push = pushOf;
     return makeRaster(context, std::move(info));
 }

@@ -20,7 +20,9 @@ public:
     const char* name() const override { return "isv"; }
     const char* about() const override { return "interval shaded volumetrics, tetrahedron support (seed 000)"; }
     uint32_t variant(const RenderSettings& s) const override {
-        return uint32_t(s.isv.multiple > 0) << 12 | uint32_t(s.isv.soft_shadows) << 11 | uint32_t(!s.isv.fading) << 10 |
+        return uint32_t(!s.isv.taylor_shadows) << 18 | uint32_t(s.isv.taylor_step > 0) << 17 |
+               earlyReturnId(s.isv) << 15 | uint32_t(dropsNear(s.isv)) << 14 | uint32_t(isTurned(s.isv)) << 13 |
+               uint32_t(s.isv.multiple > 0) << 12 | uint32_t(s.isv.soft_shadows) << 11 | uint32_t(!s.isv.fading) << 10 |
                quadratureId(s.isv) << 8 | s.isv.steps;
     }
     uint32_t shaders(const RenderSettings& s) const override { return variant(s); }
@@ -30,6 +32,9 @@ public:
         if (!s.isv.fading) text += ", without fading";
         if (s.isv.soft_shadows) text += ", soft shadows";
         if (s.isv.multiple > 0) text += ", legacy term";
+        if (isTurned(s.isv)) text += ", turned by chance";
+        if (dropsNear(s.isv)) text += ", none at the near plane";
+        if (s.isv.early_return != "sum") text += ", early return " + s.isv.early_return;
         return text;
     }
     std::string refusal(const RenderSettings& s) const override {

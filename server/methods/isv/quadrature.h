@@ -1,7 +1,8 @@
-// The quadratures of interval shading as its shaders number them (kIdQuadrature in shaders/shared/constants.h).
+// The choices of interval shading as its shaders number them (shaders/shared/constants.h).
 #pragma once
 
 #include "common/scene.h"
+#include "shaders/shared/constants.h"
 
 namespace brume::methods::isv {
 
@@ -11,5 +12,13 @@ inline uint32_t quadratureId(const IsvSettings& settings) {
            : settings.quadrature == "analytic"      ? 2
                                                     : 3;
 }
+
+inline uint32_t earlyReturnId(const IsvSettings& settings) {
+    return settings.early_return == "sum"     ? gpu::kReturnSum
+           : settings.early_return == "fixed" ? gpu::kReturnFixed
+                                              : gpu::kReturnNone;
+}
+inline bool isTurned(const IsvSettings& settings) { return settings.orientation == "random"; }
+inline bool dropsNear(const IsvSettings& settings) { return settings.near == "drop"; }
 
 } // namespace brume::methods::isv
