@@ -99,7 +99,7 @@ TEST_F(HardLampTest, OneOf1024) {
 }
 
 // Each of 1,024 lamps is seen in each pixel: the picture is the sum of those of 32 lamps at a time. Light is added up
-// in another order there, so that a pixel errs by some roundings of 1,024 sums; one lamp that is lost is 5e-4 of it.
+// in another order there, so that a pixel errs by some roundings of 1,024 sums; one lamp that is lost is 2e-4 of it.
 TEST_F(HardLampTest, AllOf1024) {
     constexpr uint32_t kWide = 40, kHigh = 24, kLamps = 1024, kAtOnce = 32; // a word of the bins
     Scene scene = foggy();
