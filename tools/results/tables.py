@@ -18,6 +18,7 @@ TOML between the marks says what stands below them:
     transpose  true: cells are lines and labels are heads
     across     expression: one column for each of its values. Each cell is a line, or all stand in one with `join`
     extra      with across: more columns, heads and names of kept.fits() over the numbers of a line
+    other      name, series and expression of one more row, to which cells refer by that name
     printed    lines as the paper prints them, label first
     digits     of all numbers
 
@@ -31,6 +32,10 @@ def lines_of(spec, data, names):
     rows = kept.rows_of(spec.get('data', data), spec['series'], spec.get('where'), spec.get('split'))
     if not rows:
         raise KeyError('no row is left')
+    if 'other' in spec:
+        name, series, where = spec['other']
+        for row in rows:
+            row[name] = kept.rows_of(spec.get('data', data), series, where)[0]
     label = spec.get('lines', 'variant')
     digits = spec.get('digits', 3)
     cells = [(cell[0], cell[1], cell[2] if len(cell) > 2 else digits) for cell in spec['cells']]
