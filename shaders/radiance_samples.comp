@@ -5,7 +5,6 @@
 // Method `gradients`: computes light at samples, and its derivatives. A sample that does not interpolate well within
 // its sphere is dropped, and those of the next grid in that sphere are wanted. A lane is a sample of push.level.
 #include "shaders/lib/radiance_inputs.glsl"
-#include "shaders/shared/orientation.h"
 
 layout(local_size_x = 64) in;
 
@@ -22,6 +21,15 @@ layout(scalar) buffer Through { uint through[]; };
 
 const float kDeviationRadii = 4.242640687; // 3 sqrt(2): 3 r_j of exp(-x^2 / r_j^2)
 const float kTestedAt = 0.6;               // of the radius; as printed it is 1, where weights end
+
+// The same numbers for the same cell: Jarzynski and Olano, Hash Functions for GPU Rendering, 2020 (pcg3d).
+vec3 jitterOf(uvec3 v) {
+    v = v * 1664525u + 1013904223u;
+    v += v.yzx * v.zxy;
+    v ^= v >> 16u;
+    v += v.yzx * v.zxy;
+    return vec3(v >> 8u) / 16777216.0;
+}
 
 // The sphere of a first sample: of a particle, or of a stratum, in which its place is by chance.
 vec4 firstSphere(uint i) {
@@ -40,7 +48,7 @@ vec4 firstSphere(uint i) {
     if (i >= strata.x * strata.y * strata.z) return vec4(push.lit.origin, 0);
     const uvec3 at = uvec3(i % strata.x, i / strata.x % strata.y, i / (strata.x * strata.y));
     const vec3 wide = size / vec3(strata);
-    return vec4(push.lit.origin + wide * (vec3(at) + hashed(at)), length(wide)); // nothing is between spheres
+    return vec4(push.lit.origin + wide * (vec3(at) + jitterOf(at)), length(wide)); // nothing is between spheres
 }
 
 // Of the medium between x and the viewer that sees x best.

@@ -22,8 +22,9 @@ layout(constant_id = kIdDropsNear) const bool kDropsNear = false;
 #include "shaders/shared/orientation.h"
 
 vec3 toView(vec3 c) { // clip x, y, w
-    const float depth = -dot(eye.back, c);
-    return vec3((vec2(dot(eye.right, c), -dot(eye.up, c)) - depth * pictureMiddle()) / pictureHalf(), depth);
+    precise float depth = -dot(eye.back, c);
+    precise vec2 at = (vec2(dot(eye.right, c), -dot(eye.up, c)) - depth * pictureMiddle()) / pictureHalf();
+    return vec3(at, depth);
 }
 
 float twiceArea(vec2 a, vec2 b, vec2 c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
@@ -58,7 +59,8 @@ IntervalProxy clippedProxy(vec3 v[4]) {
 mat3 tetrahedronAxes(uint number, mat3 axes) {
     if (!kTurned) return axes;
     const vec4 q = orientationOf(number);
-    return axes * mat3(turned(q, vec3(1, 0, 0)), turned(q, vec3(0, 1, 0)), turned(q, vec3(0, 0, 1)));
+    precise mat3 all = axes * mat3(turned(q, vec3(1, 0, 0)), turned(q, vec3(0, 1, 0)), turned(q, vec3(0, 0, 1)));
+    return all;
 }
 
 // `c`: centre of the particle relative to the eye (m). `axes`: tetrahedronAxes().
@@ -76,7 +78,8 @@ IntervalProxy intervalProxy(vec3 c, float scale, mat3 axes) {
         return none;
     }
     for (uint i = 0; i < 4; ++i) {
-        v[i] = toView(c + scale * (axes * kTetrahedron[i]));
+        precise vec3 corner = c + scale * (axes * kTetrahedron[i]); // mesh and vertex shaders round alike
+        v[i] = toView(corner);
         crosses = crosses || v[i].z < eye.near_depth;
     }
     if (crosses) return clippedProxy(v);

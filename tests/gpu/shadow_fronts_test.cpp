@@ -37,7 +37,7 @@ protected:
 TEST_F(ShadowFrontsTest, TexelsAreTheDoubleSum) {
     const std::vector<gpu::Particle> particles = particlesOfSizes();
     for (const glm::vec3 to_light : {glm::vec3(0.3f, 0.8f, 0.5f), glm::vec3(-3, -1, 2)})
-        for (const auto& [size, slices] : {std::pair(8u, 2u), {37u, 10u}, {64u, 20u}, {16u, 100u}})
+        for (const auto& [size, slices] : {std::pair(8u, 2u), {37u, 10u}, {24u, 20u}, {9u, 100u}})
             for (const float extent : {0.0f, 60.0f}) {
                 SCOPED_TRACE(testing::Message() << size << " texels, " << slices << " planes, " << extent << " m");
                 const Scene scene = lit(to_light, size, slices, extent);
@@ -92,8 +92,9 @@ TEST_F(ShadowFrontsTest, TheExtentIsACubeAroundTheTarget) {
     }
 }
 
-// Whole particles behind their fronts shadow places too early, and themselves. More planes do not help: the light in a
-// cloud stays some 8 % too low. Sums err by less with every plane.
+// A front lies 6 m before its particle's centre here, though the Gaussian's deviation is 1 m. So places are shadowed
+// far too early, and more planes do not help: the light in the cloud stays half of what it is. Sums of 20 planes are
+// right.
 TEST_F(ShadowFrontsTest, PlanesDoNotRemoveTheirBias) {
     Scene scene = loadScene("server/scenes/cloud.toml");
     scene.render.method = "sphere";
@@ -115,15 +116,11 @@ TEST_F(ShadowFrontsTest, PlanesDoNotRemoveTheirBias) {
     };
     const double few = bias(seen("fronts", 20)), many = bias(seen("fronts", 100)), most = bias(seen("fronts", 193)),
                  of_sums = bias(seen("sums", 20));
-    RecordProperty("few", std::to_string(few));
-    RecordProperty("many", std::to_string(many));
-    RecordProperty("most", std::to_string(most));
-    RecordProperty("of_sums", std::to_string(of_sums));
     EXPECT_LT(std::abs(of_sums), 0.005);
-    EXPECT_LT(most, -0.06);
-    EXPECT_GT(most, -0.2);
+    EXPECT_LT(most, -0.45);
+    EXPECT_GT(most, -0.6);
+    EXPECT_NEAR(few, most, 0.01);
     EXPECT_NEAR(many, most, 0.01);
-    std::printf("%g %g %g %g\n", few, many, most, of_sums);
 }
 
 } // namespace

@@ -98,7 +98,7 @@ TEST_F(ShowTest, DrawnAndWastedTogetherAreAll) {
         });
         EXPECT_EQ(wrong, 0u) << fading;
         EXPECT_GT(pixels, 5000u);
-        EXPECT_GT(drawn_ones, 5000u);
+        EXPECT_GT(drawn_ones, printed ? 3000u : 5000u); // more are below the fixed depth
         EXPECT_GT(wasted_ones, 5000u);
     }
 }
