@@ -167,7 +167,7 @@ void apply(const Change& change, const SceneParts& parts) {
 
 bool has(const Light& light, std::string_view key) {
     if (key == "type") return true;
-    for (const std::string_view of_directional : {"to_light", "irradiance", "rotate"})
+    for (const std::string_view of_directional : {"to_light", "irradiance", "rotate", "rotate_axis"})
         if (key == of_directional) return !isLocal(light);
     for (const std::string_view of_spot : {"axis", "inner", "outer"})
         if (key == of_spot) return light.type == kSpot;

@@ -210,7 +210,7 @@ void readLight(TableReader& in, const SettingReader& read, Light& out, const glm
             if (in.has(key)) in.fail(key, "not used by this type of light", allowed);
     };
     if (isLocal(out))
-        refuse({"to_light", "irradiance", "rotate"}, "only with type = \"directional\"");
+        refuse({"to_light", "irradiance", "rotate", "rotate_axis"}, "only with type = \"directional\"");
     else
         refuse({"position", "intensity", "range", "radius", "shadows", "orbit", "pivot"},
                "only with type = \"point\" or \"spot\"");

@@ -132,7 +132,8 @@ struct Light {
     // Directional.
     glm::vec3 to_light{0.4f, 0.8f, 0.45f}; // unit after loading
     glm::vec3 irradiance{10};              // E, W/m^2 per channel, perpendicular to the light
-    float rotate = 0;                      // rad/s about +Y
+    float rotate = 0;                      // rad/s about `rotate_axis`
+    glm::vec3 rotate_axis{0, 1, 0};        // unit after loading
     // Point and spot.
     glm::vec3 position{0, 3, 0};
     glm::vec3 intensity{100}; // I, W/sr per channel; of a spot within its inner cone

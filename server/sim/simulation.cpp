@@ -45,11 +45,27 @@ glm::vec3 quotient(glm::vec3 a, glm::vec3 b) {
     return {b.x > 0 ? a.x / b.x : 1, b.y > 0 ? a.y / b.y : 1, b.z > 0 ? a.z / b.z : 1};
 }
 
-// About +Y by a small angle; the series are exact in float32 for the at most 10/60 rad of a step.
+// Of a small angle; the series are exact in float32 for the at most 10/60 rad of a step.
+struct Turn {
+    explicit Turn(float angle) {
+        const float a2 = angle * angle;
+        sine = angle * (1 - a2 / 6 * (1 - a2 / 20)), cosine = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30));
+    }
+    float sine, cosine;
+};
+
+// About +Y.
 glm::vec3 turned(glm::vec3 v, float angle) {
-    const float a2 = angle * angle, sine = angle * (1 - a2 / 6 * (1 - a2 / 20)),
-                cosine = 1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30));
-    return {v.x * cosine + v.z * sine, v.y, v.z * cosine - v.x * sine};
+    const Turn turn(angle);
+    return {v.x * turn.cosine + v.z * turn.sine, v.y, v.z * turn.cosine - v.x * turn.sine};
+}
+
+// About the unit `axis`: what lies along it stays.
+glm::vec3 turned(glm::vec3 v, float angle, glm::vec3 axis) {
+    if (axis == glm::vec3(0, 1, 0)) return turned(v, angle);
+    const Turn turn(angle);
+    const glm::vec3 along = glm::dot(v, axis) * axis;
+    return along + (v - along) * turn.cosine + glm::cross(axis, v) * turn.sine;
 }
 
 } // namespace
@@ -221,7 +237,8 @@ void Simulation::State::advance() {
         const Obstacles::Widths widths{.clearance = Obstacles::clearanceOf(now.medium), .axes = axes};
         for (const Rows run : motion->living()) obstacles->stop(*columns, run, kDt, widths);
     }
-    if (now.light.rotate != 0) now.light.to_light = glm::normalize(turned(now.light.to_light, now.light.rotate * kDt));
+    Light& sun = now.light;
+    if (sun.rotate != 0) sun.to_light = glm::normalize(turned(sun.to_light, sun.rotate * kDt, sun.rotate_axis));
     for (Light& light : now.lists.lights)
         if (light.orbit != 0) light.position = light.pivot + turned(light.position - light.pivot, light.orbit * kDt);
 }

@@ -153,6 +153,7 @@ type = "directional"
 to_light = [0, 3, 4]
 irradiance = [1, 2, 3]
 rotate = -0.5
+rotate_axis = [0, 0, -2]
 [[fog]]
 [[fog]]
 extinction = 0.5
@@ -202,6 +203,7 @@ spacing = "auto"
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_LT(glm::distance(scene.lights[0].to_light, glm::vec3(0, 0.6f, 0.8f)), 1e-6f);
     EXPECT_EQ(scene.lights[0].rotate, -0.5f);
+    EXPECT_EQ(scene.lights[0].rotate_axis, glm::vec3(0, 0, -1));
     ASSERT_EQ(scene.fogs.size(), 2u);
     EXPECT_EQ(scene.fogs[0].extinction, Fog().extinction);
     EXPECT_EQ(scene.fogs[1].extinction, 0.5f);

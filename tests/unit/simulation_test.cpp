@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -359,6 +360,29 @@ TEST(Light, TurnsAboutY) {
     run(simulation, 120); // 1 rad
     const glm::vec3 expected(0.6f * std::cos(1.0f), 0.8f, -0.6f * std::sin(1.0f));
     EXPECT_LT(glm::distance(simulation.now().light.to_light, expected), 1e-4f);
+}
+
+TEST(Light, TurnsAboutAnyAxis) {
+    const auto after = [](glm::vec3 axis, glm::vec3 to_light, int ticks) {
+        Scene scene = cubeScene(1);
+        scene.lights[0].to_light = to_light;
+        scene.lights[0].rotate = 0.5f;
+        scene.lights[0].rotate_axis = axis;
+        Simulation simulation(scene);
+        run(simulation, ticks);
+        return simulation.now().light.to_light;
+    };
+    const float c = std::cos(1.0f), s = std::sin(1.0f);
+    const glm::vec3 z(0, 0, 1);
+    EXPECT_LT(glm::distance(after(z, {1, 0, 0}, 120), glm::vec3(c, s, 0)), 1e-4f);
+    EXPECT_LT(glm::distance(after(-z, {0, 1, 0}, 120), glm::vec3(s, c, 0)), 1e-4f);
+    EXPECT_LT(glm::distance(after({1, 0, 0}, {0.6f, 0.8f, 0}, 120), glm::vec3(0.6f, 0.8f * c, 0.8f * s)), 1e-4f);
+    EXPECT_EQ(after({0, 1, 0}, {0.6f, 0.8f, 0}, 120).y, after({0, 1, 0}, {0.6f, 0.8f, 0}, 119).y);
+    // A third of a turn about a diagonal takes x to y. 251 ticks are a little less.
+    const float lacks = 2 * std::numbers::pi_v<float> / 3 - 0.5f * 251 / 60; // rad
+    const glm::vec3 diagonal = glm::normalize(glm::vec3(1)), got = after(diagonal, {1, 0, 0}, 251);
+    EXPECT_NEAR(glm::distance(got, glm::vec3(0, 1, 0)), lacks * std::sqrt(2.0f / 3), 1e-4f);
+    EXPECT_NEAR(glm::dot(got, diagonal), glm::dot(glm::vec3(1, 0, 0), diagonal), 1e-4f);
 }
 
 TEST(Light, OrbitsItsPivotAndStartsAnew) {
