@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <stdexcept>
@@ -10,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plot.h"
+#include "tools/bench/fits.h"
+#include "tools/bench/parts.h"
 
 namespace brume::bench {
 namespace {
@@ -81,6 +84,28 @@ std::string fileName(const std::string& text) {
     return out;
 }
 
+// How times grow, where the variants are numbers.
+std::string lawLines(const std::vector<json>& rows) {
+    struct Column {
+        const char *name, *at;
+        std::vector<double> x, y;
+    } columns[] = {{"picture, ms", "/views_ms", {}, {}},
+                   {"wall, ms", "/wall_ms", {}, {}},
+                   {"published, ms", "/published_ms", {}, {}}};
+    for (const json& row : rows) {
+        const std::string name = row.at("variant");
+        if (name.find_first_not_of("0123456789.") != name.npos) continue;
+        for (Column& column : columns)
+            if (const double y = numberAt(row, column.at); y > 0)
+                column.x.push_back(std::strtod(name.c_str(), nullptr)), column.y.push_back(y);
+    }
+    std::string out;
+    for (const Column& column : columns)
+        if (column.x.size() > 3)
+            out += std::string("- ") + column.name + ": " + describe(lawsOf(column.x, column.y)) + ".\n";
+    return out.empty() ? out : "Laws through the variants' numbers:\n\n" + out + "\n";
+}
+
 std::string costTables(const json& series, const std::filesystem::path& folder, const std::string& name) {
     const bool errors = !series.value("error", "").empty(), published = !series.value("published_on", "").empty();
     std::string out;
@@ -105,6 +130,8 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
         if (errors) heads.insert(heads.end(), {"relative RMSE", "at edges", "bias", "FLIP", "worst pixel"});
         const bool beside = !rows.empty() && rows.front().contains("beside");
         if (beside) heads.insert(heads.end(), {"beside", "FLIP beside"});
+        const bool ground = rows.front().contains("ground");
+        if (ground) heads.insert(heads.end(), {"ground's shadow, RMS", "bias"});
         if (published) heads.insert(heads.end(), {"published, ms", "published, times faster"});
         Table table(heads);
         std::map<std::string, int> groups; // "isv, Simpson 2" has isv's colour
@@ -140,11 +167,14 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
             if (beside)
                 cells.insert(cells.end(), {digits(numberAt(row, "/beside/relative_rmse"), 100, " %"),
                                            digits(numberAt(row, "/beside/flip"))});
+            if (ground)
+                cells.insert(cells.end(),
+                             {digits(numberAt(row, "/ground/rms")), digits(numberAt(row, "/ground/bias"))});
             const double theirs = numberAt(row, "/published_ms");
             if (published) cells.insert(cells.end(), {digits(theirs), digits(published_base / theirs)});
             table.line(cells);
         }
-        out += "### " + where + "\n\n" + table.text() + "\n";
+        out += "### " + where + "\n\n" + table.text() + "\n" + lawLines(rows);
         if (plot.points.size() > 1) {
             const std::string file = name + '-' + fileName(plot.title) + ".svg";
             std::ofstream(folder / file) << svg(plot);
@@ -278,6 +308,7 @@ void writeReport(const json& results, const std::filesystem::path& folder, const
                : kind == "phase"  ? phaseTable(series)
                : kind == "seams"  ? seamTable(series)
                : kind == "motion" ? motionTable(series)
+               : kind == "parts"  ? partsTables(series)
                                   : costTables(series, folder, name);
     }
     std::ofstream file(folder / (name + ".md"));

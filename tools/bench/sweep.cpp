@@ -10,8 +10,10 @@
 #include "common/scene_reader.h"
 #include "common/toml_text.h"
 #include "tools/bench/error.h"
+#include "tools/bench/ground_error.h"
 #include "tools/bench/jpeg_error.h"
 #include "tools/bench/light_error.h"
+#include "tools/bench/parts.h"
 #include "tools/bench/passes.h"
 #include "tools/bench/phase_error.h"
 #include "tools/bench/seams.h"
@@ -51,7 +53,7 @@ void readStand(TableReader& in, Stand& out) {
 void readSeries(TableReader& in, Series& out) {
     in.text("name", out.name, 64);
     in.text("about", out.about, 400);
-    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "phase", "seams", "motion"};
+    static constexpr std::string_view kKinds[]{"cost", "jpeg", "light", "phase", "seams", "motion", "parts"};
     if (const auto kind = in.choice("kind", kKinds)) out.kind = kKinds[*kind];
     in.texts("scenes", out.scenes);
     in.texts("cameras", out.cameras);
@@ -62,6 +64,7 @@ void readSeries(TableReader& in, Series& out) {
     in.texts("set", out.set);
     in.text("error", out.error, 16);
     in.integer("every", out.every, {1, 99});
+    in.boolean("ground", out.ground);
     in.text("baseline", out.baseline, 64);
     in.text("published_on", out.published_on, 100);
     in.texts("qualities", out.qualities);
@@ -165,6 +168,14 @@ bool isOfMedium(const FrameCost::Pass& pass) { return !pass.shared && ofMedium(p
 bool isOfViews(const FrameCost::Pass& pass) { return !pass.shared; }
 bool isAny(const FrameCost::Pass&) { return true; }
 
+Motion motionOf(const Series& series) {
+    Motion motion = series.motion;
+    motion.errors = !series.error.empty();
+    motion.size = sizeOf(motion.errors ? series.error : series.sizes.front());
+    motion.every = series.every, motion.ticks = series.ticks, motion.beside = besideIn(series);
+    return motion;
+}
+
 // A picture beside another of the same size, without sky and ambient light: all pixels that show the medium.
 json besideOf(const RadianceImage& picture, const RadianceImage& other, const DisplaySettings& display) {
     json out = toJson(mediumError(picture, other, display));
@@ -236,6 +247,12 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
             said +=
                 fmt::format("  beside {}: {:.3g} %", series.beside, 100 * row["beside"]["relative_rmse"].get<double>());
         }
+        if (series.ground) {
+            const GroundError ground = groundError(device, caseOf(series, series.variants[i], scene, camera),
+                                                   sizeOf(series.error.empty() ? size : series.error), series.ticks);
+            row["ground"] = {{"rms", ground.rms}, {"bias", ground.bias}, {"places", ground.places}};
+            said += "; ground " + std::to_string(ground.rms);
+        }
         std::fprintf(stderr, "  %-12s %-8s %-10s x%s  %-28s %8.1f ms  %s\n", scene.c_str(), camera.c_str(),
                      size.c_str(), viewers.c_str(), series.variants[i].name.c_str(), row["medium_ms"].get<double>(),
                      said.c_str());
@@ -278,32 +295,20 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
                 std::vector<NamedCase> cases;
                 for (const Variant& variant : series.variants)
                     cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
-                if (series.kind == "seams") {
-                    take(seamRows(device, cases, sizeOf(series.error), series.ticks));
-                }
-                if (series.kind == "motion") {
-                    Motion motion = series.motion;
-                    motion.errors = !series.error.empty();
-                    motion.size = sizeOf(motion.errors ? series.error : series.sizes.front());
-                    motion.every = series.every, motion.ticks = series.ticks, motion.beside = besideIn(series);
-                    take(motionRows(device, cases, motion, truth));
-                }
-                if (series.kind == "phase") {
-                    take(phaseRows(device, cases, sizeOf(series.error)));
-                }
-                if (series.kind == "light") {
-                    take(lightRows(device, cases, sizeOf(series.error), effort));
-                }
-                if (series.kind != "cost" && series.kind != "jpeg") continue;
-                for (const std::string& size : series.sizes) {
-                    if (series.kind == "jpeg")
-                        for (const Variant& variant : series.variants)
-                            take(jpegRows(device, variant.name, caseOf(series, variant, scene, camera), sizeOf(size),
-                                          series.qualities));
-                    if (series.kind != "cost") continue;
-                    for (const std::string& viewers : series.viewers)
-                        take(costRows(device, series, scene, camera, size, viewers, truth, effort));
-                }
+                const glm::uvec2 size = series.error.empty() ? glm::uvec2() : sizeOf(series.error);
+                if (series.kind == "seams") take(seamRows(device, cases, size, series.ticks));
+                if (series.kind == "phase") take(phaseRows(device, cases, size));
+                if (series.kind == "parts") take(partsRows(device, cases, size, series.every, series.ticks));
+                if (series.kind == "light") take(lightRows(device, cases, size, effort));
+                if (series.kind == "motion") take(motionRows(device, cases, motionOf(series), truth));
+                if (series.kind == "jpeg")
+                    for (const NamedCase& one : cases)
+                        for (const std::string& shown : series.sizes)
+                            take(jpegRows(device, one.name, one.wanted, sizeOf(shown), series.qualities));
+                if (series.kind == "cost")
+                    for (const std::string& shown : series.sizes)
+                        for (const std::string& viewers : series.viewers)
+                            take(costRows(device, series, scene, camera, shown, viewers, truth, effort));
             }
         result.push_back({{"name", series.name},
                           {"about", series.about},

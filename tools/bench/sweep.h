@@ -26,15 +26,16 @@ struct Variant {
 
 struct Series {
     std::string name, about;
-    std::string kind = "cost"; // cost | jpeg | light | phase | seams | motion
+    std::string kind = "cost"; // cost | jpeg | light | phase | seams | motion | parts
     std::vector<std::string> scenes, cameras{"outside"}, sizes{"640x360"}, viewers{"1"};
     std::vector<std::string> set; // for all variants
     Stand stand;                  // of the viewers
     uint32_t ticks = 0;           // simulated before the first frame
     std::string error;            // size of the pictures whose error is measured; empty: no errors
     uint32_t every = 1;           // errors: only every so many-th pixel is compared; odd, divides the size
-    std::string baseline;         // variant that the report compares the others with; empty: the first
-    std::string published_on;     // device of the published figures
+    bool ground = false;  // True: also what the sun leaves on the ground, beside the reference; needs a union of balls
+    std::string baseline; // variant that the report compares the others with; empty: the first
+    std::string published_on; // device of the published figures
     std::vector<Variant> variants;
     std::vector<std::string> qualities; // kind jpeg: JPEG qualities
     // Kind cost: variant beside whose pictures the others are measured, too. Kind motion: the one that is the truth.
