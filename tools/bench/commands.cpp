@@ -21,6 +21,7 @@
 #include "tools/bench/page.h"
 #include "tools/bench/picture_file.h"
 #include "tools/bench/pictures.h"
+#include "tools/bench/printed_path.h"
 #include "tools/bench/promise_page.h"
 #include "tools/bench/report.h"
 #include "tools/bench/results_file.h"
@@ -355,6 +356,11 @@ void operations(const Context& context, uint32_t repeats, const std::filesystem:
         context.command, today(), threads ? fmt::format(", LP_NUM_THREADS={}", threads) : "", cpu(), device.name(),
         device.driver(), repeats);
     writeText(out, about + operationsTable(device, repeats));
+}
+
+void printedPathPage(const Context& context, uint32_t repeats, const std::filesystem::path& out) {
+    writeText(out, fmt::format("# Sorted hits beside merged intervals\n\nWritten by `{}` on {}. CPU: {}.\n\n{}",
+                               context.command, today(), cpu(), printedPathTables(repeats)));
 }
 
 void pictures(const Context& context, const std::string& only, const std::filesystem::path& out) {
