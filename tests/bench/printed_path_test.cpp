@@ -1,4 +1,4 @@
-// The printed path over sorted hits is that of merged intervals; icosahedra; laws through points.
+// The printed path over sorted hits is that of merged intervals; icosahedra.
 #include "tools/bench/printed_path.h"
 
 #include <array>
@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/bench/fits.h"
 #include "tools/reference/geometry.h"
 
 namespace brume::bench::printed_path_test {
@@ -76,24 +75,6 @@ TEST(Icosahedron, ItsMeanChordIsFourVolumesOverItsSurface) {
     EXPECT_NEAR(mean, 4 * volume / surface, 3e-3 * mean);
     EXPECT_NEAR(4 * volume / surface / (radius * 4 / 3), 0.7947, 1e-4);
     EXPECT_NEAR(surface / 4, 4 * radius * radius * count / rays, 5e-3 * surface); // Cauchy: the mean shadow's area
-}
-
-TEST(Fits, FindTheLawThatMadeThePoints) {
-    const std::vector<double> x{250, 500, 750, 1000, 1250, 1500};
-    std::vector<double> line, power, exponential;
-    for (const double at : x) {
-        line.push_back(3 + 0.5 * at), power.push_back(2 * std::pow(at, 0.4));
-        exponential.push_back(0.1 * std::exp(0.003 * at));
-    }
-    EXPECT_NEAR(lawsOf(x, line).affine.at, 3, 1e-9);
-    EXPECT_NEAR(lawsOf(x, line).affine.slope, 0.5, 1e-12);
-    EXPECT_NEAR(lawsOf(x, line).affine.r2, 1, 1e-12);
-    EXPECT_NEAR(lawsOf(x, power).power.slope, 0.4, 1e-12);
-    EXPECT_NEAR(lawsOf(x, power).power.r2, 1, 1e-12);
-    EXPECT_LT(lawsOf(x, power).affine.r2, 0.99);
-    EXPECT_NEAR(lawsOf(x, exponential).exponential.slope, 0.003, 1e-12);
-    EXPECT_NEAR(lawsOf(x, exponential).exponential.r2, 1, 1e-12);
-    EXPECT_TRUE(std::isnan(lawsOf(std::span(x).first(2), std::span(line).first(2)).affine.r2));
 }
 
 } // namespace

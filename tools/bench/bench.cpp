@@ -228,7 +228,7 @@ private:
 
         command = addPlain("printed-path", kMeasurements,
                            "time of sorted hits and of merged intervals, and paths within icosahedra (seed 003)",
-                           [this] { printedPathPage(context_, path_repeats_, path_out_); });
+                           [this] { printedPath(context_, path_repeats_, path_out_); });
         allow(command->add_option("--repeats", path_repeats_, "of each"), 1, 1000);
         command->add_option("--out", path_out_, kOutHelp)->default_str("");
 
@@ -326,7 +326,8 @@ private:
         .question = {.scenes = {"plume", "cloud", "cumulus", "cloud:inside", "props", "courtyard", "smoke-spots"}}};
     DrawingOptions drawing_{.question = {.scenes = {"cloud", "cloud:inside", "cloud-5000", "cloud-5000:inside", "plume",
                                                     "cumulus", "tubes", "props"}}};
-    std::string plan_out_, features_out_, scaling_out_, mesh_order_out_, operations_out_, pictures_only_, pictures_out_, path_out_;
+    std::string plan_out_, features_out_, scaling_out_, mesh_order_out_, operations_out_, pictures_only_, pictures_out_,
+        path_out_;
     uint32_t feature_frames_ = 10, scaling_frames_ = 5, operation_repeats_ = 12, path_repeats_ = 10;
     NativeOptions native_;
 };

@@ -358,9 +358,12 @@ void operations(const Context& context, uint32_t repeats, const std::filesystem:
     writeText(out, about + operationsTable(device, repeats));
 }
 
-void printedPathPage(const Context& context, uint32_t repeats, const std::filesystem::path& out) {
-    writeText(out, fmt::format("# Sorted hits beside merged intervals\n\nWritten by `{}` on {}. CPU: {}.\n\n{}",
-                               context.command, today(), cpu(), printedPathTables(repeats)));
+void printedPath(const Context& context, uint32_t repeats, const std::filesystem::path& out) {
+    const json made = madeBy(context, nullptr);
+    json results = made;
+    results["series"] = printedPathSeries(repeats);
+    for (json& series : results["series"]) series["made"] = made;
+    writeText(out, textOf(results));
 }
 
 void pictures(const Context& context, const std::string& only, const std::filesystem::path& out) {

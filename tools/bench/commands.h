@@ -118,7 +118,7 @@ void nativeSlabs(const Context& context, const NativeOptions& options);
 // What each operation of a shader costs on the device, the least of `repeats`.
 void operations(const Context& context, uint32_t repeats, const std::filesystem::path& out);
 // What sorting and walking hits costs beside merging intervals, and what icosahedra change. Needs no device.
-void printedPathPage(const Context& context, uint32_t repeats, const std::filesystem::path& out);
+void printedPath(const Context& context, uint32_t repeats, const std::filesystem::path& out);
 void pictures(const Context& context, const std::string& only, const std::filesystem::path& out);
 
 struct ReportOptions {

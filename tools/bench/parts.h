@@ -50,10 +50,6 @@ struct PartsCase {
 };
 PartsOfError partsOfError(const SpriteParts& sprites, const PartsCase& of);
 
-struct NamedCase {
-    std::string name;
-    Case wanted;
-};
 // One row a case. Throws SceneError unless it is of method sprites, before black, without objects and lobe.
 nlohmann::json partsRows(const gpu::Device& device, const std::vector<NamedCase>& cases, glm::uvec2 size,
                          uint32_t every, uint32_t ticks);

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/reference/world.h"
 
 namespace brume::bench {
@@ -35,7 +37,9 @@ std::vector<PathHit> hitsOf(const reference::UnionMedium& medium, size_t i, glm:
 // `radius`: m, from the centre to its corners.
 reference::Interval insideIcosahedron(glm::dvec3 centre, double radius, const reference::Ray& ray);
 
-// Tables: time of both by cut-off and by number of particles, with fits; and what icosahedra change.
-std::string printedPathTables(uint32_t repeats);
+// Series of rows, as of a sweep: microseconds a ray on one core by cut-off and by number of particles, the least of
+// `repeats`, without finding the hits; and what icosahedra change. Rays go from the centres of `tubes-union`'s balls to
+// a light. Those with as many hits as the cut-off are black, and nothing is sorted.
+nlohmann::json printedPathSeries(uint32_t repeats);
 
 } // namespace brume::bench

@@ -1,4 +1,4 @@
-// Times of the printed path, and what icosahedra change.
+// Measures the time of the printed path, and what icosahedra change.
 #include <ctime>
 
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "server/sim/simulation.h"
-#include "tools/bench/fits.h"
 #include "tools/bench/printed_path.h"
 #include "tools/bench/stage.h"
 #include "tools/reference/geometry.h"
@@ -17,6 +17,7 @@
 namespace brume::bench {
 namespace {
 
+using nlohmann::json;
 using reference::Interval;
 using reference::Ray;
 using reference::UnionMedium;
@@ -83,14 +84,10 @@ double mergedTime(const Rays& rays, uint32_t repeats, uint32_t cutoff) {
                   [&](const std::vector<PathHit>& hits) { return hits.size() >= cutoff ? 0.0f : mergedPath(hits); });
 }
 
-constexpr const char* kHead = "| {} | hits, mean | most | black, % | all slots | until sorted | slots with hits | "
-                              "merged | merged, no cut-off |\n|---|---|---|---|---|---|---|---|---|\n";
-
-// A row for each of `axis`, and laws of each column over it.
-std::string tableOver(const char* name, std::span<const uint32_t> axis, uint32_t repeats,
-                      const std::function<std::pair<uint32_t, uint32_t>(uint32_t)>& count_cutoff) {
-    std::string out = fmt::format(fmt::runtime(kHead), name);
-    std::vector<double> x, columns[4];
+// A row for each of `axis`.
+json rowsOver(std::span<const uint32_t> axis, uint32_t repeats,
+              const std::function<std::pair<uint32_t, uint32_t>(uint32_t)>& count_cutoff) {
+    json rows = json::array();
     for (const uint32_t value : axis) {
         const auto [count, cutoff] = count_cutoff(value);
         const Rays rays = raysOf(count);
@@ -100,19 +97,17 @@ std::string tableOver(const char* name, std::span<const uint32_t> axis, uint32_t
             sum += double(hits.size()), most = std::max(most, hits.size());
             if (hits.size() >= cutoff) black += 1;
         }
-        const double times[] = {
-            printedTime(rays, repeats, cutoff, PathSort::slots), printedTime(rays, repeats, cutoff, PathSort::early),
-            printedTime(rays, repeats, cutoff, PathSort::stored), mergedTime(rays, repeats, cutoff)};
-        x.push_back(value);
-        for (int i = 0; i < 4; ++i) columns[i].push_back(times[i]);
-        out += fmt::format("| {} | {:.1f} | {} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", value,
-                           sum / double(rays.size()), most, 100 * black / double(rays.size()), times[0], times[1],
-                           times[2], times[3], mergedTime(rays, repeats, std::numeric_limits<uint32_t>::max()));
+        rows.push_back({{"variant", std::to_string(value)},
+                        {"hits", sum / double(rays.size())},
+                        {"most_hits", most},
+                        {"black", black / double(rays.size())},
+                        {"all_slots_us", printedTime(rays, repeats, cutoff, PathSort::slots)},
+                        {"until_sorted_us", printedTime(rays, repeats, cutoff, PathSort::early)},
+                        {"slots_with_hits_us", printedTime(rays, repeats, cutoff, PathSort::stored)},
+                        {"merged_us", mergedTime(rays, repeats, cutoff)},
+                        {"merged_all_us", mergedTime(rays, repeats, std::numeric_limits<uint32_t>::max())}});
     }
-    constexpr const char* kColumns[] = {"all slots", "until sorted", "slots with hits", "merged"};
-    out += '\n';
-    for (int i = 0; i < 4; ++i) out += fmt::format("- {}: {}.\n", kColumns[i], describe(lawsOf(x, columns[i])));
-    return out;
+    return rows;
 }
 
 double lengthOf(std::vector<Interval> parts) {
@@ -126,9 +121,8 @@ double lengthOf(std::vector<Interval> parts) {
 }
 
 // Paths from the centres toward the light within icosahedra, over those within balls.
-std::string icosahedraTable() {
-    std::string out = "| balls | light | path within balls, m | within icosahedra, m | ratio | light that arrives, "
-                      "balls | icosahedra |\n|---|---|---|---|---|---|---|\n";
+json icosahedraRows() {
+    json rows = json::array();
     for (const uint32_t count : {250u, 750u, 1500u})
         for (const glm::dvec3& to_light : {kAbove, kRight}) {
             const UnionMedium medium = ballsOf(count);
@@ -148,25 +142,27 @@ std::string icosahedraTable() {
                     lights[i] += std::exp(-medium.sigma_t * path) / double(medium.balls.size());
                 }
             }
-            out += fmt::format("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.3f} | {:.3f} |\n", count,
-                               to_light == kAbove ? "from above" : "from the right", sums[0], sums[1],
-                               sums[1] / sums[0], lights[0], lights[1]);
+            rows.push_back({{"variant", std::to_string(count)},
+                            {"light", to_light == kAbove ? "from above" : "from the right"},
+                            {"path_balls", sums[0]},
+                            {"path_icosahedra", sums[1]},
+                            {"light_balls", lights[0]},
+                            {"light_icosahedra", lights[1]}});
         }
-    return out;
+    return rows;
 }
 
 } // namespace
 
-std::string printedPathTables(uint32_t repeats) {
-    return fmt::format(
-        "Microseconds a ray on one core, the least of {} runs. Rays go from the centres of `tubes-union`'s balls to "
-        "a light from the right. Finding the hits does not count. Rays with as many hits as the cut-off "
-        "are black, and nothing is sorted.\n\n## By cut-off, {} balls\n\n{}\n## By number of balls, cut-off {}\n\n{}\n"
-        "## Icosahedra whose corners lie on the balls\n\nTheir mean chord is 0.795 of the ball's.\n\n{}",
-        repeats, kFigureCount,
-        tableOver("cut-off", kCutoffs, repeats, [](uint32_t c) { return std::pair(kFigureCount, c); }), kFigureCutoff,
-        tableOver("balls", kCounts, repeats, [](uint32_t n) { return std::pair(n, kFigureCutoff); }),
-        icosahedraTable());
+json printedPathSeries(uint32_t repeats) {
+    const auto series = [](const char* name, const char* about, json rows) {
+        return json{{"name", name}, {"about", about}, {"baseline", ""}, {"rows", std::move(rows)}};
+    };
+    return {series("By cut-off", "750 balls of tubes-union, light from the right.",
+                   rowsOver(kCutoffs, repeats, [](uint32_t c) { return std::pair(kFigureCount, c); })),
+            series("By number of balls", "Cut-off 60.",
+                   rowsOver(kCounts, repeats, [](uint32_t n) { return std::pair(n, kFigureCutoff); })),
+            series("Icosahedra", "Their corners lie on the balls.", icosahedraRows())};
 }
 
 } // namespace brume::bench

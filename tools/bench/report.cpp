@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plot.h"
-#include "tools/bench/fits.h"
 #include "tools/bench/parts.h"
 
 namespace brume::bench {
@@ -84,28 +83,6 @@ std::string fileName(const std::string& text) {
     return out;
 }
 
-// How times grow, where the variants are numbers.
-std::string lawLines(const std::vector<json>& rows) {
-    struct Column {
-        const char *name, *at;
-        std::vector<double> x, y;
-    } columns[] = {{"picture, ms", "/views_ms", {}, {}},
-                   {"wall, ms", "/wall_ms", {}, {}},
-                   {"published, ms", "/published_ms", {}, {}}};
-    for (const json& row : rows) {
-        const std::string name = row.at("variant");
-        if (name.find_first_not_of("0123456789.") != name.npos) continue;
-        for (Column& column : columns)
-            if (const double y = numberAt(row, column.at); y > 0)
-                column.x.push_back(std::strtod(name.c_str(), nullptr)), column.y.push_back(y);
-    }
-    std::string out;
-    for (const Column& column : columns)
-        if (column.x.size() > 3)
-            out += std::string("- ") + column.name + ": " + describe(lawsOf(column.x, column.y)) + ".\n";
-    return out.empty() ? out : "Laws through the variants' numbers:\n\n" + out + "\n";
-}
-
 std::string costTables(const json& series, const std::filesystem::path& folder, const std::string& name) {
     const bool errors = !series.value("error", "").empty(), published = !series.value("published_on", "").empty();
     std::string out;
@@ -174,7 +151,7 @@ std::string costTables(const json& series, const std::filesystem::path& folder, 
             if (published) cells.insert(cells.end(), {digits(theirs), digits(published_base / theirs)});
             table.line(cells);
         }
-        out += "### " + where + "\n\n" + table.text() + "\n" + lawLines(rows);
+        out += "### " + where + "\n\n" + table.text() + "\n";
         if (plot.points.size() > 1) {
             const std::string file = name + '-' + fileName(plot.title) + ".svg";
             std::ofstream(folder / file) << svg(plot);
