@@ -126,7 +126,7 @@ protected:
         EXPECT_LT(darkest, count == 1 ? 0.4 : 0.2);
 
         std::string done; // one quadrature of each method: no index depends on it
-        for (const Way& way : waysAndSampled()) {
+        for (const Way& way : allWays()) {
             if (way.method == done) continue;
             done = way.method;
             const std::string name = "N = " + std::to_string(count) + ": transmittance";

@@ -3,7 +3,7 @@
 //
 // Not drawn with them, as it would show nothing of them: proxies of tetrahedra (vertices on edges, edge-on, the near
 // plane), the closed form of the phase function, and what needs finer nodes than fit (particles of a tenth of a pixel,
-// many far apart; the picture of 8192 pixels, whose nodes are those of odd sizes).
+// single ones 100 m away, many far apart; the picture of 8192 pixels, whose nodes are those of odd sizes).
 #include <algorithm>
 #include <stdexcept>
 
