@@ -65,13 +65,14 @@ def pivot(rows, spec, label, cells, corner, names):
     extra = spec.get('extra', [])
     lines = []
     for one in labels:
-        def at(column):
-            found = [row for row in rows if kept.value(label, row) == one
-                     and kept.value(spec['across'], row) == column]
-            return found[-1] if found else {}
+        def at(column, what):
+            """Of several rows of a place, the last that has the value."""
+            values = [kept.value(what, row) for row in rows if kept.value(label, row) == one
+                      and kept.value(spec['across'], row) == column]
+            return next((value for value in reversed(values) if value is not None), None)
         texts = []
         for head, what, digits in cells:
-            values = [kept.value(what, at(column)) for column in columns]
+            values = [at(column, what) for column in columns]
             if all(value is None for value in values):
                 continue
             text = [kept.number(value, digits) for value in values]
