@@ -126,7 +126,7 @@ class Fits(unittest.TestCase):
 
     def test_numbers_have_digits_that_count(self):
         for of, text in ((0.000012345, '1.23e-5'), (0.012345, '0.0123'), (1.2345, '1.23'), (123.45, '123'),
-                         (12345.6, '12346'), (0, '0'), (None, ''), (-1.2345, '-1.23'), (99.96, '100')):
+                         (12345.6, '12346'), (123456, '123456'), (0, '0'), (None, ''), (-1.2345, '-1.23'), (99.96, '100')):
             self.assertEqual(kept.number(of), text)
 
 

@@ -75,15 +75,17 @@ def value(expression, row):
     names = {key: Fields(v) if isinstance(v, dict) and key != 'passes' else v for key, v in row.items()}
     names.update(sqrt=math.sqrt, float=float, int=int, sum=sum, abs=abs, log10=math.log10, str=str, len=len)
     try:
-        return eval(expression, {'__builtins__': {}}, names)  # the pages' own text, as trusted as this file
+        return eval(expression, {'__builtins__': {}, **names})  # the pages' own text, as trusted as this file
     except (KeyError, NameError, ZeroDivisionError):
         return None
 
 
 def number(of, digits=3):
-    """A number with so many digits that count; "" for None."""
+    """A number with so many digits that count, a whole one with all of them; "" for None."""
     if of is None:
         return ''
+    if isinstance(of, int):
+        return str(of)
     if isinstance(of, str) or not math.isfinite(of):
         return str(of)
     if of == 0:

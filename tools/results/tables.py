@@ -78,7 +78,7 @@ def pivot(rows, spec, label, cells, corner, names):
             text = [kept.number(value, digits) for value in values]
             if extra:
                 known = [(float(c), v) for c, v in zip(columns, values) if v is not None]
-                fitted = kept.fits(*zip(*known)) if len(known) > 2 else {}
+                fitted = kept.fits(*zip(*known)) if len(known) > 1 else {}
                 text += [kept.number(fitted.get(name), digits) for _, name in extra]
             texts.append((head, text))
         if 'join' in spec:
