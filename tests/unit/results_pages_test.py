@@ -120,6 +120,8 @@ class Fits(unittest.TestCase):
         self.assertAlmostEqual(kept.fits(x, power)['power'], 1.5)
         self.assertAlmostEqual(kept.fits(x, power)['r2_power'], 1)
         self.assertLess(kept.fits(x, power)['r2_exponential'], 0.9)
+        self.assertAlmostEqual(kept.fits(x, [3 - 2 * a + 0.5 * a * a for a in x])['r2_quadratic'], 1)
+        self.assertLess(kept.fits(x, rate)['r2_quadratic'], 0.999)
         self.assertAlmostEqual(kept.fits(x, rate)['rate'], 0.6931, 3)
         self.assertAlmostEqual(kept.fits(x, rate)['r2_exponential'], 1)
         self.assertLess(kept.fits(x, rate)['r2'], 0.9)

@@ -108,6 +108,19 @@ def line_fit(x, y):
     return slope, my - slope * mx, 1 - left / all_of_it if all_of_it else 1.0
 
 
+def quadratic_r2(x, y):
+    """R² of the least squares' parabola, by orthogonal polynomials; None below four values."""
+    if len(x) < 4:
+        return None
+    n, mx, my = len(x), sum(x) / len(x), sum(y) / len(y)
+    first = [a - mx for a in x]
+    squares = [a * a for a in first]
+    mean, tilt = sum(squares) / n, sum(a * b for a, b in zip(squares, first)) / sum(squares)
+    second = [b - mean - tilt * a for a, b in zip(first, squares)]
+    explained = sum(sum(p * b for p, b in zip(part, y)) ** 2 / sum(p * p for p in part) for part in (first, second))
+    return explained / (sum((b - my) ** 2 for b in y) or 1)
+
+
 def fits(x, y):
     """Names of what a line of numbers over x is fitted with. R² of power and exponential: of the values, not their logs."""
     def r2(of):
@@ -116,7 +129,7 @@ def fits(x, y):
     slope, start, line = line_fit(x, y)
     out = {'slope': slope, 'start': start, 'r2': line, 'last_over_first': y[-1] / y[0] if y[0] else None}
     square = line_fit([a * a for a in x], y)
-    out.update(r2_square=square[2])
+    out.update(r2_square=square[2], r2_quadratic=quadratic_r2(x, y))
     if min(x) > 0 and min(y) > 0:
         power, log_start, _ = line_fit([math.log(a) for a in x], [math.log(b) for b in y])
         out.update(power=power, r2_power=r2(lambda a: math.exp(log_start) * a ** power))

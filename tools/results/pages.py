@@ -2,6 +2,7 @@
 """Renews the tables and figures of pages from kept results, and looks for numbers that no result has.
 
     tools/results/pages.py [--check] [PAGE...]      pages of docs/results; without: all that begin with <!-- page -->
+    tools/results/pages.py --data PAGE              names of the files that it is made from
 
 --check changes nothing and fails where a page is not as it would be made.
 """
@@ -61,6 +62,10 @@ def renewed(path, files):
 
 
 def main(arguments):
+    if arguments[:1] == ['--data']:
+        data = tomllib.loads(HEAD.search((PAGES / arguments[1]).read_text())[1])['data']
+        print(data if isinstance(data, str) else '\n'.join(data))
+        return
     check = '--check' in arguments
     named = [PAGES / name for name in arguments if name != '--check']
     wrong = []
