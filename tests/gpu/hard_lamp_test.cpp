@@ -84,7 +84,8 @@ TEST_F(HardLampTest, OneOf1024) {
     judge(scene, {kOutside});
     const Picture one = render(device(), scene, kOutside, kWidth, kHeight);
     for (int i = 1; i < 1024; ++i) {
-        Light weak = lamp({float(i % 32) - 16, float(i / 32) / 4 - 4, -2});
+        const int row = i / 32;
+        Light weak = lamp({float(i % 32) - 16, float(row) / 4 - 4, -2});
         weak.intensity *= 1e-9f;
         scene.lights.push_back(weak);
     }

@@ -154,10 +154,10 @@ std::vector<glm::dvec3> plainlyBlurred(const Picture& picture, uint32_t blur) {
                     const int u = down ? x : x + k, v = down ? y + k : y;
                     if (u < 0 || v < 0 || u >= w || v >= h) continue;
                     const double weight = double(gpu::kBlurWeights[blur][k + int(gpu::kBlurReach)]);
-                    sum += weight * values[size_t(v * w + u)];
+                    sum += weight * values[size_t(v) * size_t(w) + size_t(u)];
                     weights += weight;
                 }
-                next[size_t(y * w + x)] = sum / weights;
+                next[size_t(y) * size_t(w) + size_t(x)] = sum / weights;
             }
         values = next;
     }

@@ -174,7 +174,7 @@ TEST_F(ShadingErrorTest, SamplesOfGridsInheritTheTransmittance) {
                 if (square > 4 || std::min({other.x, other.y, other.z}) < 0 ||
                     std::max({other.x, other.y, other.z}) >= kFine)
                     continue;
-                (square < 4 ? inside : on)[size_t((other.z * kFine + other.y) * kFine + other.x)] = 1;
+                (square < 4 ? inside : on)[(size_t(other.z) * kFine + size_t(other.y)) * kFine + size_t(other.x)] = 1;
             }
         }
         count.most = count.least;
