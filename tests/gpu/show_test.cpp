@@ -58,7 +58,8 @@ TEST_F(ShowTest, DrawnAndWastedTogetherAreAll) {
     scene.render.cutoff = 0.1f;
     const std::vector<gpu::Particle> particles = particlesOf(scene);
     const gpu::Tick tick = tickOf(scene, particles);
-    for (const auto& [fading, printed] : {std::pair(true, false), {false, false}, {true, true}}) {
+    for (const std::pair<bool, bool>& way : {std::pair(true, false), {false, false}, {true, true}}) {
+        const bool fading = way.first, printed = way.second;
         scene.render.isv.fading = fading;
         scene.render.isv.orientation = printed ? "random" : "aligned";
         scene.render.isv.early_return = printed ? "fixed" : "sum";
@@ -188,9 +189,10 @@ TEST_F(ShowTest, ShadowShowsTheTexels) {
                     for (uint32_t x = 0; x < texels.x; ++x) {
                         const uint32_t layer = std::min(plane / 3, 1u);
                         const float value =
-                            stored[((size_t(layer) * texels.y + y) * texels.x + x) * 4 + plane - 3 * layer];
-                        const auto px = uint32_t((plane % across * (texels.x + 1) + x + 0.5) * size),
-                                   py = uint32_t((plane / across * (texels.y + 1) + y + 0.5) * size);
+                            stored[((size_t(layer) * texels.y + y) * texels.x + x) * 4 + plane - 3 * size_t(layer)];
+                        const uint32_t column = plane % across, row = plane / across;
+                        const auto px = uint32_t((column * (texels.x + 1) + x + 0.5) * size),
+                                   py = uint32_t((row * (texels.y + 1) + y + 0.5) * size);
                         right += apart(shown.at(px, py), colourOf(gpu::kShowShadow, double(value))) <= kLevels;
                         deep += value > 0.1f;
                     }

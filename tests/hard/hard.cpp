@@ -186,7 +186,7 @@ double ruleError(const Way& way) {
 }
 
 std::vector<Way> HardTest::ways() {
-    const std::vector<Way> all = allWays();
+    std::vector<Way> all = allWays();
     if (whole() || std::getenv("BRUME_HARD_TABLE")) return all;
     std::vector<Way> chosen, others;
     for (const Way& way : all) (way.method == "slabs" || way.method == "grid" ? chosen : others).push_back(way);

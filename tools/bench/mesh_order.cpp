@@ -16,6 +16,11 @@ namespace {
 
 using Tetrahedron = std::array<glm::dvec3, 4>;
 
+// Of a place of a lattice with `side` places a side.
+size_t indexOf(glm::ivec3 c, int side) {
+    return (size_t(c.z) * size_t(side) + size_t(c.y)) * size_t(side) + size_t(c.x);
+}
+
 // Tetrahedra of a body-centred cubic lattice of `cells` cubes a side, side 1 in all, about the origin: two middles of
 // cubes side by side, and two corners of their common face. `moved`: how far corners lie from the lattice, as a part of
 // a cube's edge. `stretch`: of x.
@@ -28,10 +33,8 @@ std::vector<Tetrahedron> meshOf(int cells, double moved, double stretch) {
         at += glm::dvec3(offset(random), offset(random), offset(random));
         return (at / double(cells) - 0.5) * glm::dvec3(stretch, 1, 1);
     };
-    const auto cornerAt = [&](glm::ivec3 c) -> glm::dvec3& { return corners[size_t((c.z * n + c.y) * n + c.x)]; };
-    const auto middleAt = [&](glm::ivec3 c) -> glm::dvec3& {
-        return middles[size_t((c.z * cells + c.y) * cells + c.x)];
-    };
+    const auto cornerAt = [&](glm::ivec3 c) -> glm::dvec3& { return corners[indexOf(c, n)]; };
+    const auto middleAt = [&](glm::ivec3 c) -> glm::dvec3& { return middles[indexOf(c, cells)]; };
     for (int z = 0; z < n; ++z)
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) {
