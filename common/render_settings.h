@@ -75,8 +75,8 @@ struct RadianceSettings {
     std::string quantity = "factor";  // radiance | factor: what is interpolated; the factor is the part that arrives
     std::string weights = "gaussian"; // printed | gaussian: how samples in spheres are weighted
     float error = 0.02f;              // a sample that errs by more is split: criterion
-    // rbf, gradient: what that error is. opacity: a part of all light, times opacity. printed: the same times the cube
-    // of the sphere's radius, density in place of opacity, and the transmittance to an eye (Ren et al., eq. 5).
+    // The error of a sample of rbf or gradient. opacity: a part of all light, times opacity. printed: that part times
+    // the cube of the radius of the sample's sphere, times density and the transmittance to an eye (Ren et al., eq. 5).
     std::string criterion = "opacity";
     std::string firsts = "particles"; // rbf, gradient: particles | strata: where the first samples are
     float near = 3;                   // spacings from a light within which it is added exactly, 0...16; 0: nowhere

@@ -18,7 +18,7 @@ layout(scalar) readonly buffer Values { vec4 values[]; };
 #include "shaders/lib/radiance.glsl"
 #include "shaders/lib/sphere_samples.glsl"
 
-const float kNoValue = -3e38;  // of a node before it has a value, which becomes no light
+const float kNoValue = -3e38;  // the value of a node that nothing has written; it becomes no light
 const float kSeen = 1e-4;      // opacity of the medium all through the box: light in less is not seen
 const uint kMostFirsts = 16384; // samples before those of grids
 shared uint near_firsts[kMostFirsts / 32]; // bits of those whose spheres meet the brick

@@ -80,7 +80,7 @@ bool wantNext(vec3 x, float radius, float passed) {
                 if (dot(off, off) > radius * radius) continue;
                 const uint at = first + sampleAt(uvec3(i, j, k), size);
                 states[at] = kWanted;
-                if (isHow(kShadingError)) atomicMax(through[at], floatBitsToUint(passed)); // of all spheres around it
+                if (isHow(kShadingError)) atomicMax(through[at], floatBitsToUint(passed)); // the most of all spheres
                 any = true;
             }
     return any;

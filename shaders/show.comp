@@ -57,7 +57,7 @@ shared uint colours[kSquares * kSquares];
 shared vec4 item[kLanes];    // centre relative to the eye (m), scale; of an error: its pixel, the error
 shared vec2 amount[kLanes];  // extinction at the centre (1/m), radius (m); of `light`: the light's part
 shared uint taken[kLanes / 32];
-shared vec4 orientation[kTurned ? kLanes : 1]; // of their tetrahedra
+shared vec4 orientation[kTurned ? kLanes : 1]; // rotations of the particles' tetrahedra
 
 // The ray of a square's middle, and what was gathered on it.
 struct Pixel {

@@ -17,7 +17,7 @@ using std::sqrt;
 #define BRUME_PRECISE
 #else
 #define BRUME_INLINE
-#define BRUME_PRECISE precise // the same bits in all kinds of shaders: nothing is contracted
+#define BRUME_PRECISE precise // arithmetic as it is written: the same bits in all kinds of shaders
 #endif
 
 // The same three numbers in [0, 1) for the same `v`: Jarzynski and Olano, Hash Functions for GPU Rendering, 2020

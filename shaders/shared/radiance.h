@@ -29,7 +29,7 @@ const uint kHoles = 3u;       // nodes in the medium that have no value
 const uint kLightCounts = 4u;
 
 // Bits of LightSampling::how.
-const uint kRadiance = 1u;      // what is interpolated is fluence; otherwise the part of the light that arrives
+const uint kRadiance = 1u;      // samples have fluence; otherwise the part of the light that arrives
 const uint kPrinted = 2u;       // weights and splitting are as printed by Ren et al.
 const uint kNoPlanes = 4u;      // samples have no derivatives
 const uint kExactly = 8u;       // every node is computed
@@ -49,7 +49,7 @@ struct LightSampling {
     float step;  // m between samples on the way to a light; 0: its volume is read
     float scale; // W/m^2, fluence that errors are measured by
     uint how;
-    uint viewers; // whose places are known
+    uint viewers; // number of viewers whose places are known
 };
 
 #ifdef __cplusplus

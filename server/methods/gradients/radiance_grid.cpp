@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t kFirstCells = 16;    // of the first grid that samples are split into, along the longest side
 constexpr uint32_t kLanes = 64;         // of a workgroup
 constexpr uint32_t kMostGroups = 32768; // of a line of workgroups: every device can dispatch 65,535
-constexpr size_t kMostViewers = 4096;   // what a command updates at once: 64 KiB
+constexpr size_t kMostViewers = 4096;   // places of so many fill one update of a buffer, 64 KiB
 constexpr VkBufferUsageFlags kScratch = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 
 float luminance(glm::vec3 colour) { return glm::dot(colour, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
