@@ -17,6 +17,10 @@ data = "some"
 -->
 With two steps it takes 126 ms, 1.18 times as long as with one, of 500 particles; the paper says 3.24 ms.
 
+| it says | carried by |
+|---|---|
+| steps are linear | 19.0 ms a step |
+
 <!-- table
 series = "Steps"
 transpose = true
@@ -95,14 +99,15 @@ class Tool(unittest.TestCase):
             self.check()
 
     def test_finds_numbers_that_nobody_measured(self):
-        for good, bad in (('126 ms', '125 ms'), ('1.18 times', '1.28 times'), ('3.24 ms', '3.4 ms'), ('500', '600')):
+        for good, bad in (('126 ms', '125 ms'), ('1.18 times', '1.28 times'), ('3.24 ms', '3.4 ms'), ('500', '600'),
+                          ('19.0 ms a step', '19.4 ms a step')):
             self.page.write_text(PAGE.replace(good, bad))
             with self.assertRaisesRegex(SystemExit, f'no table, series or print has {bad.split()[0]} '):
                 pages.main(['page.md'])
 
     def test_a_series_that_is_not_there_is_said(self):
         self.page.write_text(PAGE.replace('series = "Steps"', 'series = "Stairs"', 1))
-        with self.assertRaisesRegex(SystemExit, 'page.md:6: .*no series .*Stairs.*there are: Steps'):
+        with self.assertRaisesRegex(SystemExit, 'page.md:10: .*no series .*Stairs.*there are: Steps'):
             pages.main(['page.md'])
 
 
@@ -128,7 +133,8 @@ class Fits(unittest.TestCase):
 
     def test_numbers_have_digits_that_count(self):
         for of, text in ((0.000012345, '1.23e-5'), (0.012345, '0.0123'), (1.2345, '1.23'), (123.45, '123'),
-                         (12345.6, '12346'), (123456, '123456'), (0, '0'), (None, ''), (-1.2345, '-1.23'), (99.96, '100')):
+                         (12345.6, '12346'), (123456, '123456'), (0, '0'), (None, ''),
+                         (-1.2345, '-1.23'), (99.96, '100')):
             self.assertEqual(kept.number(of), text)
 
 

@@ -9,7 +9,7 @@ WAS, NOW = ('done', 'partly', 'missing'), ('done', 'no', 'open')
 
 
 def counts(page):
-    """Heads and lines of the table of counts. Raises ValueError for a row that says something else, or has no reason."""
+    """Heads and lines of the table of counts. Raises ValueError for a row without one of the words or without a reason."""
     lines = []
     for seed, section in re.findall(r'^## (Seed \d+)\n(.*?)(?=^## |\Z)', page, re.M | re.S):
         rows = [[cell.strip() for cell in line.strip('|').split('|')]

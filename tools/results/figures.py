@@ -60,7 +60,8 @@ class Axis:
 
     def at(self, value):
         turn = math.log if self.log else float
-        return self.first + (self.last - self.first) * (turn(value) - turn(self.low)) / (turn(self.high) - turn(self.low))
+        part = (turn(value) - turn(self.low)) / (turn(self.high) - turn(self.low))
+        return self.first + (self.last - self.first) * part
 
 
 def svg(spec, data, names):
@@ -79,7 +80,8 @@ def svg(spec, data, names):
         at = f'{y.at(value):.1f}'
         out.append(f'<path d="M{LEFT} {at}H{WIDE - RIGHT}" stroke="#e4e4e4"/>'
                    f'<text x="{LEFT - 6}" y="{at}" dy="4" text-anchor="end">{value:g}</text>')
-    out.append(f'<text x="{(LEFT + WIDE - RIGHT) / 2}" y="{HIGH - 10}" text-anchor="middle">{escape(spec["x"][0])}</text>'
+    out.append(f'<text x="{(LEFT + WIDE - RIGHT) / 2}" y="{HIGH - 10}" text-anchor="middle">'
+               f'{escape(spec["x"][0])}</text>'
                f'<text transform="translate(16 {(TOP + HIGH - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                f'{escape(spec["y"][0])}</text>')
     for i, (name, points, printed) in enumerate(lines):

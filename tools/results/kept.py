@@ -53,7 +53,7 @@ def place(row):
 
 
 def rows_of(name, wanted, where=None, split=None):
-    """Rows of one or several series, each with `base`, `series`, `passes` by name and what `split` finds in its variant."""
+    """Rows of one or several series, each with `base`, `series`, `passes` by name and what `split` finds in a variant."""
     out = []
     for one in [wanted] if isinstance(wanted, str) else wanted:
         series = series_of(name, one)
@@ -122,7 +122,7 @@ def quadratic_r2(x, y):
 
 
 def fits(x, y):
-    """Names of what a line of numbers over x is fitted with. R² of power and exponential: of the values, not their logs."""
+    """What a line of numbers over x is fitted with. R² of power and exponential: of the values, not of their logs."""
     def r2(of):
         mean = sum(y) / len(y)
         return 1 - sum((b - of(a)) ** 2 for a, b in zip(x, y)) / (sum((b - mean) ** 2 for b in y) or 1)

@@ -32,7 +32,9 @@ def made(data):
 
 
 def renewed(path, files):
-    """The page's text, and numbers that stand nowhere. `files`: text of each figure by its path."""
+    """The page's text, and numbers that stand nowhere; a page without results has none to look for.
+
+    `files`: text of each figure by its path."""
     text = path.read_text()
     head = tomllib.loads(HEAD.search(text)[1])
     datas = [head['data']] if isinstance(head['data'], str) else head['data']
@@ -58,7 +60,7 @@ def renewed(path, files):
         return f'{found[1]}\n{body}\n\n{found[5]}'
 
     text = BLOCK.sub(block, text)
-    return text, prose.strays(text, sorted(used), path.stem)
+    return text, prose.strays(text, sorted(used), path.stem) if used else []
 
 
 def main(arguments):

@@ -1,5 +1,5 @@
-"""Numbers of a page's prose: each stands in a table of the page, in the names and settings of its series, or in
-docs/results/data/published.toml, rounded as the prose has it.
+"""Numbers that a person wrote on a page, in prose or in a table of verdicts: each stands in a table that was made from
+results, in the names and settings of its series, or in docs/results/data/published.toml, rounded as it is written.
 
 Not looked at: code, links' targets, heads, what is called by number (figure 3, section 4.2), days, and whole numbers up
 to twelve without a unit, which count things.
@@ -9,11 +9,13 @@ import tomllib
 
 import kept
 
+MADE = re.compile(r'<!-- (?:made|table|figure|counts)\n.*?<!-- end -->', re.S)
 NUMBER = re.compile(r'(?<![\w.#/])[-−+]?(\d+(?:,\d{3})+|\d+\.\d+|\d+)(e-?\d+)?(?![\w]*[-–]\w*\d)')
 UNIT = re.compile(r'\s*(%|ms\b|m\b|times\b|MiB|MB|GB|dB|×|of a per)')
-CALLED = re.compile(r'\b(?:[Ff]igures?|[Tt]ables?|[Ee]quations?|[Ee]qs?|[Ss]ections?|[Ss]eeds?|[Rr]ows?|GTX|RTX|GeForce|C\+\+|'
-                    r'[Aa]lgorithm|Mesa|Debian|LLVM|SH|VK|[Vv]iews?|chapter)\s+\(?(?:\d+(?:\.\d+)*[a-z]?(?:\s*(?:,|and|to)\s*)?)+')
-DAY = re.compile(r'\b\d{1,2} [A-Z][a-z]+ 20\d\d\b|\b(?:19|20)\d\d\b|\b[A-Z]\.?\d(?:\.\d)?\b|\(\d\.\d+(?:\.\d+)?(?:, \d\.\d+(?:\.\d+)?)*\)')
+CALLED = re.compile(r'\b(?:[Ff]igures?|[Tt]ables?|[Ee]quations?|[Ee]qs?|[Ss]ections?|[Ss]eeds?|[Rr]ows?|GTX|RTX|GeForce|'
+                    r'[Aa]lgorithm|Mesa|Debian|LLVM|[Vv]iews?)\s+\(?(?:\d+(?:\.\d+)*[a-z]?(?:\s*(?:,|and|to)\s*)?)+')
+DAY = re.compile(r'\b\d{1,2} [A-Z][a-z]+ 20\d\d\b|\b(?:19|20)\d\d\b|\b[A-Z]\.?\d(?:\.\d)?\b|'
+                 r'\(\d\.\d+(?:\.\d+)?(?:, \d\.\d+(?:\.\d+)?)*\)')
 
 
 def parsed(text, power=''):
@@ -25,11 +27,11 @@ def digits_after(text):
 
 
 def prose_of(page):
-    """The page without tables, code, comments, heads and links' targets."""
-    text = re.sub(r'<!-- made\n.*?<!-- end -->', '', page, flags=re.S)
+    """The page without what was made, code, comments, heads and links' targets."""
+    text = MADE.sub('', page)
     text = re.sub(r'<!--.*?-->', '', text, flags=re.S)
     text = re.sub(r'```.*?```', '', text, flags=re.S)
-    text = '\n'.join(line for line in text.splitlines() if not line.startswith(('#', '|')))
+    text = '\n'.join(line for line in text.splitlines() if not line.startswith('#'))
     text = re.sub(r'`[^`]*`', '', text)
     text = re.sub(r'\]\([^)]*\)', ']', text)
     return DAY.sub('', CALLED.sub('', text))
@@ -47,11 +49,12 @@ def all_numbers(of):
 
 
 def known_numbers(page, datas, name):
-    """What stands in the page's tables, in its series' names, settings and texts, and in what the paper prints."""
-    out = [n for line in page.splitlines() if line.startswith('|') for n in all_numbers(line)]
+    """Numbers of tables that were made, of the series' names, settings and texts, and of what the paper prints."""
+    out = [n for made in MADE.finditer(page) for line in made[0].splitlines() if line.startswith('|')
+           for n in all_numbers(line)]
     for data in datas:
         for series in kept.load(data)['series']:
-            out += all_numbers([series['name'], series.get('about', ''), series.get('set', []), series.get('error', '')])
+            out += all_numbers([series.get(key, '') for key in ('name', 'about', 'set', 'error')])
             for row in series['rows']:
                 out += all_numbers([row.get('variant', ''), row.get('set', []), row.get('size', ''),
                                     row.get('viewers', 0), row.get('published_ms', 0), row.get('particles', 0)])
