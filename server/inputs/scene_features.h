@@ -91,8 +91,8 @@ inline void leaveOut(SceneNow& now, const SceneFeatures& features) {
     if (!features.sun) now.light.irradiance = glm::vec3(0);
 }
 
-// True: only methods that draw fog, local lights and meshes can draw the scene.
-inline bool needsFields(const SceneFeatures& features) {
+// True: there is light or medium to draw where no particle is.
+inline bool hasExtras(const SceneFeatures& features) {
     return features.fog || features.local_lights || features.meshes;
 }
 

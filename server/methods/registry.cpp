@@ -14,8 +14,8 @@ namespace brume {
 
 std::unique_ptr<Method> makeMethod(const MethodContext& context) {
     const MethodPlan* wanted = planOf(context.settings.method);
-    if (wanted && needsFields(context.features) && !wanted->drawsFogAndLocalLights())
-        throw gpu::Error(fogRefusal(*wanted));
+    if (wanted)
+        if (const std::string why = extrasRefusal(*wanted, context.features); !why.empty()) throw gpu::Error(why);
     if (wanted)
         if (const std::string why = mediumRefusal(*wanted, context.features); !why.empty()) throw gpu::Error(why);
     if (wanted)

@@ -18,6 +18,14 @@ namespace brume {
 // How overload makes a method coarser: fewer samples along each ray; rays farther apart; light that is sharp at pixels.
 enum class Coarser { along, across, light };
 
+// What only some methods draw.
+struct Extras {
+    bool fog = false;
+    bool local_lights = false;
+    bool meshes = false;
+};
+inline constexpr Extras kAllExtras{true, true, true};
+
 class MethodPlan {
 public:
     virtual ~MethodPlan() = default;
@@ -56,8 +64,8 @@ public:
     virtual std::optional<double> error(const RenderSettings& /*settings*/, const ViewWork& /*view*/) const {
         return {};
     }
-    // True: it draws fog, and makes a field that local lights are seen through.
-    virtual bool drawsFogAndLocalLights() const { return false; }
+    // What it draws of fog, local lights and meshes.
+    virtual Extras extras() const { return {}; }
     // True: it draws media of this Medium::model.
     virtual bool draws(std::string_view model) const { return model == kSumMedium; }
     // True: it draws light that scatters more than once (RenderSettings::scattering).
@@ -74,10 +82,14 @@ public:
     virtual RenderSettings finer(const RenderSettings& settings) const { return settings; }
 };
 
-// Why a scene with fog or local lights is not for a method that draws none, one line.
-inline std::string fogRefusal(const MethodPlan& method) {
-    return std::string(method.name()) + ": it draws no fog, no meshes, and no light of points and spots; "
-                                        "use slabs, grid, froxels, lit, gradients or march";
+// Why a scene with fog, local lights or meshes is not for a method, one line; empty: it is.
+inline std::string extrasRefusal(const MethodPlan& method, const SceneFeatures& features) {
+    const Extras drawn = method.extras();
+    if (features.fog <= drawn.fog && features.local_lights <= drawn.local_lights && features.meshes <= drawn.meshes)
+        return {};
+    const char* lacks =
+        drawn.local_lights ? "no fog and no meshes" : "no fog, no meshes, and no light of points and spots";
+    return std::string(method.name()) + ": it draws " + lacks + "; use slabs, grid, froxels, lit, gradients or march";
 }
 
 // Why a scene's medium is not for a method, one line; empty: it is.

@@ -39,8 +39,8 @@ std::vector<RenderSettings> waysOf(const PlanInputs& inputs, const std::string& 
         if (wanted_method != kAutoMethod && !asked) continue;
         RenderSettings way = inputs.scene.wanted;
         way.method = method->name();
-        if (needsFields(inputs.scene.features) && !method->drawsFogAndLocalLights()) {
-            if (asked) refused = fogRefusal(*method);
+        if (const std::string why = extrasRefusal(*method, inputs.scene.features); !why.empty()) {
+            if (asked) refused = why;
             continue;
         }
         if (const std::string why = mediumRefusal(*method, inputs.scene.features); !why.empty()) {

@@ -260,7 +260,7 @@ void Planner::passesTook(const RenderSettings& settings, std::span<const PlanVie
         RenderSettings own = settings;
         if (rates[i] > 0) own.rate = rates[i];
         const ViewWork view(inputs_.scene, views[i]);
-        if (view.sees() || needsFields(inputs_.scene.features)) work += view.of(own);
+        if (view.sees() || hasExtras(inputs_.scene.features)) work += view.of(own);
     }
     costs_.learn(work, passes, disturbed);
 }

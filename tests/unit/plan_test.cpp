@@ -337,7 +337,7 @@ TEST(Plan, FogIsLeftToMethodsThatDrawIt) {
     EXPECT_EQ(plan.refused,
               "tiles: it draws no fog, no meshes, and no light of points and spots; use slabs, grid, froxels, lit, "
               "gradients or march");
-    EXPECT_TRUE(planOf(plan.chosen.settings.method)->drawsFogAndLocalLights());
+    EXPECT_TRUE(planOf(plan.chosen.settings.method)->extras().fog);
 }
 
 TEST(Plan, AnEmptyMediumIsPlannedToo) {

@@ -108,9 +108,11 @@ std::string pictureHashes(const gpu::Device& device, const std::string& only) {
                                                             .ellipsoids = loaded.medium.model == kEllipsoidMedium});
         all_methods.emplace_back(kAutoMethod);
         std::sort(all_methods.begin(), all_methods.end());
-        const bool needs_fields = !loaded.fogs.empty() || !localLightsOf(loaded).empty();
+        const SceneFeatures extras{.meshes = !loaded.triangles.empty(),
+                                   .fog = !loaded.fogs.empty(),
+                                   .local_lights = !localLightsOf(loaded).empty()};
         for (const std::string& method : all_methods) {
-            if (needs_fields && planOf(method) && !planOf(method)->drawsFogAndLocalLights()) continue;
+            if (planOf(method) && !extrasRefusal(*planOf(method), extras).empty()) continue;
             Fingerprint fingerprint(device, {.scene = scene, .set = {"render.method=" + method}}, method);
             for (const char* camera : {"outside", "inside"}) out += fingerprint.lines(camera);
         }

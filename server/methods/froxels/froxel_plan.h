@@ -13,7 +13,7 @@ namespace brume {
 class FroxelPlan : public MethodPlan {
 public:
     uint64_t bytesPerParticle() const override { return sizeof(gpu::SlabMember); } // of the nodes' bins
-    bool drawsFogAndLocalLights() const override { return true; }
+    Extras extras() const override { return kAllExtras; }
     bool draws(std::string_view model) const override {
         return model == kSumMedium || model == kEllipsoidMedium || model == kVolumeMedium;
     }

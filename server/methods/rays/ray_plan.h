@@ -59,7 +59,7 @@ double cutError(double thickness, double light_depth);
 class RayPlan : public MethodPlan {
 public:
     bool hasRays() const override { return true; }
-    bool drawsFogAndLocalLights() const override { return true; }
+    Extras extras() const override { return kAllExtras; }
     bool drawsMultiple() const override { return true; }
     bool draws(std::string_view model) const override { return model == kSumMedium || model == kEllipsoidMedium; }
     uint32_t shaders(const RenderSettings& settings) const override { return scatteringShaders(settings); }
