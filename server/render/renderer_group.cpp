@@ -59,10 +59,12 @@ bool Renderer::needsSurfaces(const ViewGroup& group, const EyeInputs* before) co
 void Renderer::recordCoarsely(gpu::Commands& commands, Method& method, const EyeInputs& eye) {
     const EyeInputs& coarse = coarse_inputs_[eye.view];
     coarse_targets_.use(commands.handle(), *coarse.target);
+    for (const auto& effect : effects_) effect->recordEye(commands, coarse);
     surfaces_.record(commands, coarse);
     cells_.clear(commands, coarse);
     method.recordGroup(commands, drawnAlone(coarse));
     cells_.interpolate(commands, eye, coarse);
+    for (const auto& effect : effects_) effect->recordEye(commands, eye); // whose own are overwritten
 }
 
 } // namespace brume

@@ -148,13 +148,18 @@ BRUME_FN real segmentQuantile(BRUME_OF(GaussianSegment) segment, real s) {
     return clamp(above < below ? q : -q, segment.a, c);
 }
 
+// m from a segment's entry to where the part s of its optical depth is reached.
+BRUME_FN real segmentPlace(BRUME_OF(GaussianSegment) segment, real s) {
+    return min(BRUME_OF(segmentQuantile)(segment, s) - segment.a, segment.h) / segment.k;
+}
+
 // Transmittance space: node i of n in 1 ... 3, placed where light that reaches the eye is scattered. The weights sum
 // to 1 - T exactly.
 BRUME_FN BRUME_OF(ScatterNode) transmittanceNode(BRUME_OF(GaussianSegment) segment, int i, int n) {
     const real s = depthPart(segment.depth, BRUME_OF(legendreNode)(i, n));
     BRUME_OF(ScatterNode) node;
     node.weight = BRUME_OF(legendreWeight)(i, n) * opacity(segment.depth);
-    node.z = min(segmentQuantile(segment, s) - segment.a, segment.h) / segment.k;
+    node.z = BRUME_OF(segmentPlace)(segment, s);
     return node;
 }
 

@@ -27,6 +27,13 @@ TEST(Plan, SettingsOfIsv) {
     inputs.scene.features.casters = true;
     EXPECT_GT(ms(), 3 * three);
     inputs.scene.features.casters = false;
+    Scene lit = cube();
+    lit.lights.push_back({.type = kPoint, .position = {0, 3, 0}, .intensity = glm::vec3(9)});
+    inputs = inputsOf(lit);
+    wanted.method = "isv", wanted.isv = {"simpson", 3};
+    EXPECT_GT(ms(), 3 * three) << "a lamp is looked up at each node";
+    inputs = inputsOf(cube());
+    wanted.method = "isv";
     wanted.isv = {"taylor", 10};
     const double taylor = ms();
     wanted.isv.steps = 1;

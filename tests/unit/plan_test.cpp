@@ -340,6 +340,25 @@ TEST(Plan, FogIsLeftToMethodsThatDrawIt) {
     EXPECT_TRUE(planOf(plan.chosen.settings.method)->extras().fog);
 }
 
+// Of fog, meshes, points and spots a method may draw some.
+TEST(Plan, PointsAndSpotsAreForIsvWithoutFogAndMeshes) {
+    Scene scene = cube();
+    scene.lights.push_back({.type = kPoint, .position = {0, 3, 0}, .intensity = glm::vec3(9)});
+    PlanInputs inputs = inputsOf(scene);
+    const CostModel model;
+    inputs.scene.wanted.method = "isv";
+    EXPECT_EQ(makePlan(inputs, model).refused, "");
+    EXPECT_EQ(makePlan(inputs, model).chosen.settings.method, "isv");
+    inputs.scene.wanted.method = "tiles";
+    EXPECT_NE(makePlan(inputs, model).refused, "");
+    inputs.scene.wanted.method = "isv";
+    inputs.scene.features.meshes = true;
+    const std::string refused = makePlan(inputs, model).refused;
+    EXPECT_EQ(refused, "isv: it draws no fog and no meshes; use slabs, grid, froxels, lit, gradients or march");
+    inputs.scene.features.meshes = false, inputs.scene.features.fog = true;
+    EXPECT_EQ(makePlan(inputs, model).refused, refused);
+}
+
 TEST(Plan, AnEmptyMediumIsPlannedToo) {
     Scene scene = cube(1);
     scene.medium.extinction = 0;

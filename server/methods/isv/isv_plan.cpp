@@ -10,6 +10,7 @@ constexpr CostInfo kMedium{"isv", "medium", 22}; // fragments x (1 + steps)
 constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kMedium};
 constexpr double kTetrahedronOfDisc = 0.37; // what a tetrahedron covers of the sphere around it, on average
 
+constexpr double kLamp = 3.3; // what a lamp in whose range all pixels are adds to the time, as a part of it
 constexpr double kSoftShadows = 4.3; // times as long with 25 texels of the casters' map as with one, on a CPU driver
 
 // True: its number of steps counts.
@@ -44,6 +45,7 @@ public:
                "'";
     }
     std::span<const CostInfo* const> costs() const override { return kCosts; }
+    Extras extras() const override { return {.local_lights = true}; }
     bool draws(std::string_view model) const override { return model == kSumMedium || model == kEllipsoidMedium; }
 
     void addWays(const PlanScene&, const RenderSettings& wanted, bool asked, std::vector<RenderSettings>& ways,
@@ -57,6 +59,7 @@ public:
         const uint32_t steps = hasSteps(settings.isv) ? settings.isv.steps : 1; // what the others take, nearly
         work[kMedium] = view.fragments(kTetrahedronOfDisc * kDiscOfBox) * (1 + steps);
         if (settings.isv.soft_shadows && view.scene().features.casters) work[kMedium] *= kSoftShadows;
+        work[kMedium] *= 1 + kLamp * view.litPixels() / view.pixels();
     }
 };
 
