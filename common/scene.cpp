@@ -147,6 +147,8 @@ void readMedium(TableReader& in, const SettingReader& read, Medium& out, const g
     if (from_file && in.has("count"))
         in.fail("count", "not used by this layout", "none: the file says how many there are");
     if (!emitted && in.has("emitter")) in.fail("emitter", "not used by this layout", "only with layout = \"emitter\"");
+    if (emitted && out.emitter.cooling != glm::vec3(0) && glm::any(glm::greaterThan(out.emitter.albedo, out.albedo)))
+        in.fail("emitter", "its albedo is above the medium's", "at most medium.albedo, which its particles have later");
     if (emitted && static_cast<double>(out.emitter.rate) * out.emitter.life > out.count)
         in.fail(in.has("count") ? "count" : "layout", "the pool is smaller than emitter.rate * emitter.life",
                 "count from " + std::to_string(static_cast<uint64_t>(out.emitter.rate * out.emitter.life) + 1) +

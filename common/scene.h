@@ -39,6 +39,9 @@ struct Emitter {
     glm::vec3 wind{0};           // m/s that velocities relax to
     float turbulence = 0.8f;     // m/s, RMS of the divergence-free noise velocity
     float eddy = 3;              // m, size of the largest eddies
+    // The albedo at birth, of which every colour nears the medium's as e^(-age / cooling).
+    glm::vec3 albedo{0};
+    glm::vec3 cooling{0}; // s, of each colour; 0: all have the medium's albedo
 };
 
 // A phase function: mixture (1-a)/4pi + a HG(g), double (1-a) HG(h) + a HG(g), rayleigh, or droplets of water.
@@ -75,6 +78,8 @@ struct Medium : PhaseSettings {
     float extinction = 15;          // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
     Range multiplier{5, 10};        // per particle, uniform
     glm::vec3 albedo{0.9f};         // rho, in [0, 1]
+    glm::vec3 emission{0};          // W/(m^2 sr), of glowing soot: coldAlbedo()
+    glm::vec3 cold_albedo{1};       // of a drawing viewer's medium, as the server says; 1 in every other
     glm::vec3 extinction_colour{1}; // in [0, 1]: extinctionParts()
     uint64_t seed = 1;
     Emitter emitter; // layout emitter only
@@ -91,6 +96,13 @@ struct Medium : PhaseSettings {
     float rate = 24;  // 1/s, how many numbers of files pass; layout sequence only
     bool loop = true; // True: after the last file comes the first; false: the last one stays. Layout sequence only
 };
+
+// A particle is a mixture of glowing soot, which scatters nothing, and of what is cold, of this albedo. So it emits
+// (1 - albedo / cold) * Medium::emission per optical depth. In an emitter's plume cold smoke has the medium's albedo.
+// Elsewhere that is 1: the more the medium absorbs the more it emits.
+inline glm::vec3 coldAlbedo(const Medium& medium) {
+    return medium.layout == Layout::emitter ? medium.albedo : medium.cold_albedo;
+}
 
 // A medium without particles: extinction * e^(-falloff (y - height)) between two heights and within a ball.
 struct Fog : PhaseSettings {

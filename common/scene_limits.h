@@ -43,7 +43,7 @@ inline constexpr Limits kIntensity{0, 1e8};                                     
 inline constexpr Limits kLightRange{0, 1e5}, kLightRadius{0, 100}, kCone{0.01, 1.5}; // m; m; rad
 inline constexpr Limits kSeed{0, 9'007'199'254'740'992.0}; // 2^53: every double between is a whole number
 
-inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},
+inline constexpr Limits kRate{1e-3, 1e6}, kLife{0.1, 120}, kCooling{0, 120}, kGrowth{0, 100}, kAcceleration{-100, 100},
     kTurbulence{0, 100};
 
 inline constexpr Limits kSpring{0, 1000}; // 1/s^2: far below the 4 / dt^2 = 14400 where the 60 Hz step turns unstable

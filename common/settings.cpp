@@ -93,6 +93,10 @@ constexpr SceneSetting kBeforeMethods[]{
      "Factor of each particle, uniform in this range"},
     {"medium.albedo", at<&P::medium, &Medium::albedo>, "", limits::kColour,
      "Single-scattering albedo; a factor where points have their own", kControllers, Form::colour},
+    usually({0, 10}, {"medium.emission", at<&P::medium, &Medium::emission>, "W/(m² sr)", limits::kRadiance,
+                      "Radiance of glowing soot. The medium emits (1 − albedo) times this; an emitter's particles "
+                      "emit (1 − albedo / medium.albedo) times this, so that they cool by `medium.emitter.cooling`",
+                      kControllers, Form::colour}),
     {"medium.extinction_colour", at<&P::medium, &Medium::extinction_colour>, "", limits::kColour,
      "Extinction of red, green and blue in relation to each other; the largest of them is the medium's; black is as "
      "white",
@@ -153,6 +157,10 @@ constexpr SceneSetting kBeforeMethods[]{
      "RMS of the divergence-free noise velocity"},
     {"medium.emitter.eddy", at<&P::medium, &Medium::emitter, &Emitter::eddy>, "m", limits::kLength,
      "Size of the largest eddies"},
+    {"medium.emitter.albedo", at<&P::medium, &Medium::emitter, &Emitter::albedo>, "", limits::kColour,
+     "Albedo at birth, at most the medium's; with `cooling`", kNobody, Form::colour},
+    {"medium.emitter.cooling", at<&P::medium, &Medium::emitter, &Emitter::cooling>, "s", limits::kCooling,
+     "Time of red, green and blue in which the albedo's difference from the medium's falls to 1 / e; 0: it has none"},
 
     listed(usually({0, 1}, {"fog.extinction", at<&P::fog, &Fog::extinction>, "1/m", limits::kSigmaT,
                             "Extinction at `height`; 0: no fog"})),

@@ -76,7 +76,7 @@ void main() {
         if (kHasFog) // fog stays with the surface
             for (uint c = 0; c < 3; ++c) {
                 ray[fieldFog() + c] = 0;
-                if (kHasGlow) ray[fieldGlow() + c] = 0;
+                if (holdsGlow()) ray[fieldGlow() + c] = 0;
             }
         vec3 part = vec3(1);
         if (kHasCasters) part = sunlit[pixel.y * eye.size.x + pixel.x];

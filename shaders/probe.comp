@@ -62,7 +62,6 @@ vec4 mediumAt(ivec2 pixel) {
         MediumCut cut = mediumCut();
         cutRay(cut, run, pixel, dir, across, ray);
     }
-    for (uint c = 0; c < kAmbientColours; ++c) ray[fieldAmbient() + c] = 0;
     for (uint c = 0; c < kMultipleColours; ++c) ray[fieldMultiple() + c] = 0;
     const uint at = uint(pixel.y) * eye.size.x + uint(pixel.x);
     vec4 medium = mediumOver(vec4(0, 0, 0, 1), dir, ray, kHasCasters ? sunlit[at] : vec3(1));

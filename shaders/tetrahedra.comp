@@ -34,6 +34,7 @@ layout(push_constant, scalar) uniform Push {
 } push;
 
 #include "shaders/lib/medium_phase.glsl"
+#include "shaders/lib/even_light.glsl"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/multiple.glsl"
@@ -101,7 +102,7 @@ void addSmooth(inout Seen seen, Line line, MapLine map, uint cell, Part part) {
         visible += legendreWeight(i, kNodes) * past_objects;
         const vec3 there = kOneAlbedo ? vec3(own) : own * mix(part.albedo[0], part.albedo[1], at);
         seen.scattered += light * there;
-        if (kHasAmbient) seen.hidden += there;
+        if (kHasAmbient || kHasEmission) seen.hidden += there;
     }
     if (kScatteringModel != kScatteringSingle) {
         const float slope = (ends_depth.y - ends_depth.x) / max(ends_at.y - ends_at.x, 1e-6); // 0 with one place
@@ -210,7 +211,7 @@ void main() {
     if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -line.dir);
     vec3 medium = tick.sun.irradiance * phase * seen.scattered;
     if (kScatteringModel != kScatteringSingle) medium += tick.sun.irradiance * seen.again;
-    if (kHasAmbient) medium += tick.ambient * seen.hidden;
-    if (kOneAlbedo) medium *= push.albedo;
+    if (kOneAlbedo) medium *= push.albedo, seen.hidden *= push.albedo;
+    medium += evenLight(opacity(seen.depth), seen.hidden);
     imageStore(radiance, pixel, vec4(medium, 0) + exp(-seen.depth) * imageLoad(radiance, pixel));
 }

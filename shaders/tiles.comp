@@ -193,7 +193,8 @@ void main() {
             if (kHasLobe)
                 phase = mediumPhase(-tick.sun.to_light, -normalize(rayAt(p)));
             vec3 medium = tick.sun.irradiance * phase * (kOneAlbedo ? albedo * scattered[p].x : scattered[p]);
-            if (kHasAmbient) medium += tick.ambient * (kOneAlbedo ? albedo * (1 - transmittance[p]) : hidden[p]);
+            const float opaque_part = 1 - transmittance[p];
+            medium += evenLight(opaque_part, kOneAlbedo ? albedo * opaque_part : hidden[p]);
             imageStore(radiance, at, vec4(medium, 0) + transmittance[p] * imageLoad(radiance, at));
         }
     }

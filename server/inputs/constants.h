@@ -8,17 +8,12 @@
 namespace brume {
 
 inline gpu::Constants constantsOf(const SceneFeatures& f) {
-    return {{gpu::kIdHasOpaque, f.opaque},
-            {gpu::kIdHasCasters, f.casters},
-            {gpu::kIdHasLobe, f.lobe},
-            {gpu::kIdHasAmbient, f.ambient},
-            {gpu::kIdHasFog, f.fog},
-            {gpu::kIdHasGlow, f.glow},
-            {gpu::kIdHasLocalLights, f.local_lights},
-            {gpu::kIdHasMeshes, f.meshes},
-            {gpu::kIdHasGlass, f.glass},
-            {gpu::kIdUnion, f.balls},
-            {gpu::kIdEllipsoids, f.ellipsoids}};
+    return {{gpu::kIdHasOpaque, f.opaque},     {gpu::kIdHasCasters, f.casters},
+            {gpu::kIdHasLobe, f.lobe},         {gpu::kIdHasAmbient, f.ambient},
+            {gpu::kIdHasFog, f.fog},           {gpu::kIdHasGlow, f.glow},
+            {gpu::kIdHasEmission, f.emission}, {gpu::kIdHasLocalLights, f.local_lights},
+            {gpu::kIdHasMeshes, f.meshes},     {gpu::kIdHasGlass, f.glass},
+            {gpu::kIdUnion, f.balls},          {gpu::kIdEllipsoids, f.ellipsoids}};
 }
 
 // With those of a field of rays.

@@ -24,6 +24,7 @@ struct SceneFeatures {
     bool ellipsoids = false;   // True: particles have three axes
     bool volume = false;       // True: the medium is a volume
     bool sun = false;          // True: the directional light has an irradiance
+    bool emission = false;     // True: particles emit light
     bool operator==(const SceneFeatures&) const = default;
     auto operator<=>(const SceneFeatures&) const = default; // NOLINT(modernize-use-nullptr): clang-tidy 14: a 0
     SceneFeatures operator|(const SceneFeatures& o) const {
@@ -41,7 +42,8 @@ struct SceneFeatures {
                 tetrahedra || o.tetrahedra,
                 ellipsoids || o.ellipsoids,
                 volume || o.volume,
-                sun || o.sun};
+                sun || o.sun,
+                emission || o.emission};
     }
 };
 
@@ -61,7 +63,8 @@ inline SceneFeatures featuresOf(const SceneNow& now) {
             .fog = std::ranges::any_of(lists.fogs, isThere),
             .glow = std::ranges::any_of(lists.fogs, glows),
             .local_lights = local_lights,
-            .sun = now.light.irradiance != glm::vec3(0)};
+            .sun = now.light.irradiance != glm::vec3(0),
+            .emission = now.medium.emission != glm::vec3(0)};
 }
 // All of them. `drawn`: those that commands change and that are drawn with, whatever there is. A sun without irradiance
 // has no shadows.
@@ -89,6 +92,7 @@ inline void leaveOut(SceneNow& now, const SceneFeatures& features) {
     if (!features.bodies) lists.boxes.clear(), lists.spheres.clear();
     if (!features.lobe) now.medium.phase = kMixturePhase, now.medium.anisotropy = 0;
     if (!features.sun) now.light.irradiance = glm::vec3(0);
+    if (!features.emission) now.medium.emission = glm::vec3(0);
 }
 
 // True: there is light or medium to draw where no particle is.

@@ -32,6 +32,8 @@ std::vector<std::string> presentOverrides(const SceneFacts& facts, std::span<con
     // The settings may be older than the features.
     if (features.lobe != hasLobe(present.medium))
         present.medium.phase = kMixturePhase, present.medium.anisotropy = features.lobe ? 1.0f : 0.0f;
+    if (features.emission != (present.medium.emission != glm::vec3(0)))
+        present.medium.emission = glm::vec3(features.emission ? 1.0f : 0.0f);
     if (features.sun != (sun.irradiance != glm::vec3(0))) sun.irradiance = glm::vec3(features.sun ? 1.0f : 0.0f);
 
     std::vector<std::string> all;

@@ -59,6 +59,7 @@ std::string absent(const SceneFeatures& f) {
     add(f.fog, "fog");
     add(f.glow, "fog that emits light");
     add(f.local_lights, "points and spots");
+    add(f.emission, "light that particles emit");
     return all;
 }
 

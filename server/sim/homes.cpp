@@ -14,7 +14,7 @@ void Homes::step(Columns& columns, const MotionStep& step) {
                 .volume = step.volume});
 }
 
-void Homes::settle(Columns& columns, float extinction) const {
+void Homes::settle(Columns& columns, float extinction) {
     setSigma(columns, {0, rows_}, unit_ > 0 ? std::min(extinction / unit_, most_) : 1);
 }
 

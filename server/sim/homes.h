@@ -18,7 +18,7 @@ public:
         : rows_(rows), albedos_(std::move(albedos)), unit_(unit), most_(most) {}
 
     void step(Columns& columns, const MotionStep& step) override;
-    void settle(Columns& columns, float extinction) const override;
+    void settle(Columns& columns, float extinction) override;
     std::array<Rows, 2> living() const override { return {Rows{0, rows_}, Rows{}}; }
     bool keepsPlaces() const override { return true; }
     std::span<const glm::vec3> albedos() const override { return albedos_; }

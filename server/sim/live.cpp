@@ -103,7 +103,7 @@ void Live::step(Columns& columns, const MotionStep& step) {
     follow(columns, {0, live_}, step.volume);
 }
 
-void Live::settle(Columns& columns, float extinction) const {
+void Live::settle(Columns& columns, float extinction) {
     scaleSigma(columns, {0, live_}, unit_ > 0 ? extinction / unit_ : 1);
 }
 

@@ -15,7 +15,7 @@ public:
     void set(Columns& columns, const SetParticles& particles, const MotionStep& now) override;
     void step(Columns& columns, const MotionStep& step) override;
     // `extinction` is a factor, relative to the scene's own.
-    void settle(Columns& columns, float extinction) const override;
+    void settle(Columns& columns, float extinction) override;
     std::array<Rows, 2> living() const override { return {Rows{0, live_}, Rows{}}; }
     std::span<const glm::vec3> albedos() const override { return albedos_; }
     std::optional<glm::vec3> source() const override { return centre_; }

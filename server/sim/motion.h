@@ -32,7 +32,7 @@ public:
     virtual void step(Columns& columns, const MotionStep& step) = 0;
     // Sets scale and sigma of the living particles. Called after every step and after every change of the extinction
     // (1/m).
-    virtual void settle(Columns& columns, float extinction) const = 0;
+    virtual void settle(Columns& columns, float extinction) = 0;
 
     // Rows of the living particles in at most two runs, in an order that is part of the state.
     virtual std::array<Rows, 2> living() const = 0;

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/elementary.h"
 #include "common/random.h"
 
 namespace brume {
 
 Plume::Plume(const Medium& medium)
-    : emitter_(medium.emitter), scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed),
-      pool_(medium.count), turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
+    : emitter_(medium.emitter), albedo_(medium.albedo), albedos_(emitter_.cooling == glm::vec3(0) ? 0 : medium.count),
+      scale_(medium.scale), multiplier_(medium.multiplier), seed_(medium.seed), pool_(medium.count),
+      turbulence_(medium.seed, emitter_.turbulence, emitter_.eddy, emitter_.wind) {}
 
 uint64_t Plume::runUp() const {
     return static_cast<uint64_t>(std::ceil(static_cast<double>(emitter_.life) / kTickSeconds)) + 1;
@@ -36,9 +38,23 @@ void Plume::step(Columns& columns, const MotionStep& step) {
     while (born_ < due) bear(columns, now, step.volume);
 }
 
-void Plume::settle(Columns& columns, float extinction) const {
+void Plume::settle(Columns& columns, float extinction) {
     for (const Rows rows : living())
         age(columns, rows, {.life = emitter_.life, .growth = emitter_.growth, .extinction = extinction});
+    if (!albedos_.empty()) cool(columns);
+}
+
+void Plume::cool(const Columns& columns) {
+    for (const Rows rows : living())
+        for (uint32_t row = rows.begin; row < rows.end; ++row)
+            for (int c = 0; c < 3; ++c) {
+                const float cooling = emitter_.cooling[c];
+                const float hot =
+                    cooling > 0
+                        ? static_cast<float>(exponential(static_cast<double>(-columns[Column::age][row] / cooling)))
+                        : 0;
+                albedos_[row][c] = albedo_[c] + hot * (emitter_.albedo[c] - albedo_[c]);
+            }
 }
 
 void Plume::exchange(StateBytes& bytes, Columns&, const MotionStep&) {

@@ -15,11 +15,14 @@ public:
     uint64_t runUp() const override;
     // Ages and moves the living particles and retires the oldest. Then adds those born by the end of the step.
     void step(Columns& columns, const MotionStep& step) override;
-    void settle(Columns& columns, float extinction) const override;
+    void settle(Columns& columns, float extinction) override;
     // Oldest first.
     std::array<Rows, 2> living() const override;
     uint64_t history() const override { return born_; }
     uint64_t firstId() const override { return oldest_; }
+    // Of an emitter that cools.
+    std::span<const glm::vec3> albedos() const override { return albedos_; }
+    uint64_t bytes() const override { return albedos_.capacity() * sizeof(glm::vec3); }
     std::optional<glm::vec3> source() const override { return emitter_.position; }
     void exchange(StateBytes& bytes, Columns& columns, const MotionStep& now) override;
     void keepStart() override { start_born_ = born_, start_oldest_ = oldest_; }
@@ -27,8 +30,11 @@ public:
 
 private:
     void bear(Columns& columns, double now, glm::vec3 volume);
+    void cool(const Columns& columns); // sets the albedos of the living particles
 
     Emitter emitter_;
+    glm::vec3 albedo_; // what particles near
+    std::vector<glm::vec3> albedos_;
     Range scale_, multiplier_;
     uint64_t seed_;
     uint32_t pool_;

@@ -109,7 +109,7 @@ void Sequence::show(Columns& columns, uint64_t step, glm::vec3 volume) {
     }
 }
 
-void Sequence::settle(Columns& columns, float extinction) const {
+void Sequence::settle(Columns& columns, float extinction) {
     if (files_.own_extinction)
         scaleSigma(columns, {0, live_}, unit_ > 0 ? extinction / unit_ : 1);
     else

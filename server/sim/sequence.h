@@ -16,7 +16,7 @@ public:
 
     void step(Columns& columns, const MotionStep& step) override { show(columns, step.number, step.volume); }
     // `extinction` is a factor, relative to the scene's own, where the points have theirs.
-    void settle(Columns& columns, float extinction) const override;
+    void settle(Columns& columns, float extinction) override;
     std::array<Rows, 2> living() const override { return {Rows{0, live_}, Rows{}}; }
     std::span<const glm::vec3> albedos() const override { return albedos_; }
     // Points of all files are numbered one after the other, and again in each round.

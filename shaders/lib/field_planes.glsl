@@ -2,13 +2,17 @@
 // kSunColours, kAmbientColours and kMultipleColours are declared.
 #include "shaders/shared/field.h"
 #include "shaders/shared/scatter.h"
+#include "shaders/lib/has_emission.glsl"
 #include "shaders/lib/has_fog.glsl"
 #include "shaders/lib/has_local_lights.glsl"
 
 const bool kLampsOnRays = kHasLocalLights && !kHasFog; // True: rays hold light of points and spots
 
+// True: rays hold light that media emit. Without fog, and of one albedo, it follows from the opacity.
+bool holdsGlow() { return kHasGlow || (kHasEmission && (kHasFog || kSunColours == 3)); }
+
 FieldColours fieldColours() {
-    return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, kHasGlow ? 3 : 0,
+    return FieldColours(kSunColours, kAmbientColours, kHasFog ? 3 : 0, holdsGlow() ? 3 : 0,
                         kHasLocalLights && kSunColours == 3 ? 3 : 0, kLampsOnRays ? 3 : 0, kMultipleColours, 0);
 }
 uint fieldAmbient() { return fieldAmbient(fieldColours()); }

@@ -26,6 +26,7 @@ float fieldScale(vec3 dir, float end, float particles, out float scale[kMostFiel
     for (uint c = 0; c < kSunColours; ++c) scale[kFieldSun + c] = seen;
     for (uint c = 0; c < kAmbientColours; ++c) scale[fieldAmbient() + c] = seen;
     for (uint c = 0; c < kMultipleColours; ++c) scale[fieldMultiple() + c] = seen;
+    for (uint c = 0; c < 3 && holdsGlow(); ++c) scale[fieldGlow() + c] = seen * tick.emission[c];
     [[dont_unroll]] for (uint i = 0; i < tick.fog_count; ++i) {
         const float phase = fogPhase(i, dir / metres);
         for (uint c = 0; c < 3; ++c) {

@@ -1,7 +1,8 @@
 // Light in a slice of a ray: what its media scatter of the sun and of points and spots, at the middle of the slice.
-// Include after lib/march_ray.glsl, `bool hasParticles()`, lib/medium_nodes.glsl, lib/light.glsl,
+// Include after lib/march_ray.glsl, `bool hasParticles()`, lib/medium_nodes.glsl, kHasAmbient, lib/light.glsl,
 // lib/local_lights.glsl, lib/local_light_depth.glsl and lib/occluded.glsl.
 #include "shaders/blocks/tick.glsl"
+#include "shaders/lib/even_light.glsl"
 #include "shaders/lib/lamps_in_slice.glsl"
 
 const float kFarAway = 1e6; // m, where the sun's rays are taken to begin
@@ -21,16 +22,15 @@ float particlesAtSample(float near, float far, out vec3 scattering) {
 float mediaOf(float near, float far, inout vec3 scattered) {
     of_particles = vec3(0);
     float depth = hasParticles() ? particlesIn(near, far, of_particles) : 0;
-    vec3 all = of_particles;
+    scattered += evenLight(depth, of_particles);
     [[dont_unroll]] for (uint i = 0; i < fogCount(); ++i) {
         const float own =
             depthInFog(i, eye.position, ray_dir, ray_metres, partInFog(i, eye.position, ray_dir, near, far));
         of_fogs[i] = own * tick.fogs[i].albedo;
-        all += of_fogs[i];
+        if (kHasAmbient) scattered += of_fogs[i] * tick.ambient;
         depth += own;
         if (kHasGlow) scattered += own * tick.fogs[i].emission;
     }
-    if (kHasAmbient) scattered += all * tick.ambient;
     return depth;
 }
 

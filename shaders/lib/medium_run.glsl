@@ -2,6 +2,7 @@
 // lib/view.glsl, lib/eye.glsl, `field`, kHasOpaque, kHasLobe, kHasAmbient, kRate, kSunColours, kAmbientColours,
 // kMultipleColours and kScatteringModel are declared.
 #include "shaders/blocks/tick.glsl"
+#include "shaders/lib/even_light.glsl"
 #include "shaders/lib/medium_phase.glsl"
 #include "shaders/shared/transmittance.h"
 #include "shaders/shared/multiple.h"
@@ -108,15 +109,16 @@ vec3 sunLight(vec3 dir, float ray[kMostFieldQuantities]) {
 // sun's light that objects do not shadow.
 vec3 mediumLight(vec3 dir, float ray[kMostFieldQuantities], float opaque_part, vec3 sunlit) {
     vec3 light = sunlit * sunLight(dir, ray);
-    if (kSunColours == 1 && kHasAmbient && !kHasFog) light += grid.albedo * tick.ambient * opaque_part;
-    for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
+    if (kSunColours == 1 && !kHasFog) light += evenLight(opaque_part, grid.albedo * opaque_part);
+    if (kHasAmbient)
+        for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
     if (kMultipleColours > 0) { // objects shadow octaves as they do the sun's light; fluxes know shadows already
         const vec3 part = tick.sun.irradiance * (kScatteringModel == kScatteringOctaves ? sunlit : vec3(1));
         for (uint c = 0; c < 3; ++c)
             light[c] += kMultipleColours == 1 ? grid.albedo[c] * part[c] * ray[fieldMultiple()] :
                                                 part[c] * ray[fieldMultiple() + c];
     }
-    if (kHasGlow)
+    if (holdsGlow())
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldGlow() + c];
     if (areLampsHeld())
         for (uint c = 0; c < 3; ++c) light[c] += ray[fieldLamps() + c];

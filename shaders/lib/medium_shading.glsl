@@ -17,6 +17,7 @@ layout(constant_id = kIdHasAmbient) const bool kHasAmbient = true;
 layout(constant_id = kIdMayBeCut) const bool kMayBeCut = true;
 layout(constant_id = kIdSoftShadows) const bool kSoftShadows = false;
 
+#include "shaders/lib/even_light.glsl"
 #include "shaders/lib/light.glsl"
 
 // True if the medium is in this pixel already (drawn_cells.comp).
@@ -68,6 +69,6 @@ vec4 composed(RayParticle ray, vec3 albedo, float scattered, float depth) {
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -ray.w);
     vec3 radiance = albedo * tick.sun.irradiance * (phase * scattered);
-    if (kHasAmbient) radiance += albedo * tick.ambient * opaque_part;
+    radiance += evenLight(opaque_part, albedo * opaque_part);
     return vec4(radiance, 1 - opaque_part);
 }

@@ -170,6 +170,8 @@ void march() {
                     sum[kFieldSun + c] += albedo * with_multiple[c];
                 }
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
+                if (kHasEmission && holdsGlow())
+                    sum[fieldGlow() + c] += max(1 - albedo / tick.cold_albedo[c], 0) * tick.emission[c] * ambient;
                 if (kLampsOnRays) sum[fieldLamps() + c] += albedo * transmittance * lamps[c];
                 if (kMultipleColours == 3) sum[fieldMultiple() + c] += albedo * multiple[c];
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;

@@ -1,6 +1,7 @@
 // Adds a splat to the pixels of one lane: kPixels neighbours in a row. Include after the eye,
 // the scene's features (kHas..., kMayBeCut, kOneAlbedo), kCached and kPixels are declared.
 #include "shaders/shared/scatter.h"
+#include "shaders/lib/even_light.glsl"
 #include "shaders/lib/light.glsl"
 #include "shaders/lib/eye.glsl"
 
@@ -15,7 +16,7 @@ float inverse_length[kPixels], inverse_square[kPixels]; // 1 / |d|, 1 / d^2; d: 
 float begin[kPixels], end[kPixels];                    // m along the ray: near plane and opaque surface
 float transmittance[kPixels];
 vec3 scattered[kPixels]; // sum of albedo T_V T_L (1 - T) over splats; without the albedo if all have the same
-vec3 hidden[kPixels];    // sum of albedo T_V (1 - T), for ambient light
+vec3 hidden[kPixels];    // sum of albedo T_V (1 - T), for evenLight()
 float log_cut;           // log2 of Tick::cut
 
 // A splat on these pixels: affine functions as the value at the first pixel and the step to the next.
@@ -57,7 +58,7 @@ bool lines(Run s, uint p0, out float e[kGroup], out float centre[kGroup], out fl
 void add(uint p, vec3 albedo, float opacity, float lit) {
     const float in_front = transmittance[p];
     scattered[p] += kOneAlbedo ? vec3(in_front * lit, 0, 0) : in_front * lit * albedo;
-    if (kHasAmbient && !kOneAlbedo) hidden[p] += in_front * opacity * albedo;
+    if ((kHasAmbient || kHasEmission) && !kOneAlbedo) hidden[p] += in_front * opacity * albedo;
     transmittance[p] = in_front - in_front * opacity;
 }
 

@@ -22,6 +22,7 @@ const uint kIdSpheres = 8u;
 const uint kIdManyObjects = 31u;    // bool: there are more than kFewObjects boxes and spheres
 const uint kIdHasFog = 28u;         // bool: there is fog
 const uint kIdHasGlow = 29u;        // bool: some fog emits light
+const uint kIdHasEmission = 63u;    // bool: particles emit light
 const uint kIdHasLocalLights = 30u; // bool: there are points or spots
 const uint kIdHasMeshes = 32u;      // bool: there are meshes
 const uint kIdHasStructure = 33u;   // bool: some planes have a structure (ground.h)

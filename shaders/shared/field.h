@@ -24,7 +24,7 @@ struct FieldColours {
     uint sun;        // 1 if all particles have the same albedo; otherwise 3: red, green and blue
     uint ambient;    // 3 if there is ambient light, and albedos differ or there is fog; otherwise 0
     uint fog;        // 3 if there is fog; otherwise 0
-    uint glow;       // 3 if some fog emits light; otherwise 0
+    uint glow;       // 3 if fog emits light, or particles do and albedos differ or there is fog; otherwise 0
     uint scattering; // 3 if there are local lights, and albedos differ; otherwise 0
     uint lamps;      // 3 if rays hold light of points and spots (lib/lamps_on_rays.glsl); otherwise 0
     uint multiple;   // 0 with single scattering, or if `sun` holds it; 1 if it is without albedo and colour; else 3

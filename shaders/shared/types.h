@@ -133,7 +133,9 @@ struct Tick {
     float falloff; // f
     Phase phase;
     float cut;    // optical depth that one particle may leave out: total of the setting / particle_count
-    vec3 ambient; // uniform radiance scattered in without shadowing
+    vec3 ambient;  // uniform radiance scattered in without shadowing
+    vec3 emission; // W/(m^2 sr); a particle emits (1 - albedo / cold_albedo) * emission per optical depth
+    vec3 cold_albedo;
     uint particle_count;
     uint opaque_count; // number of objects
     uint plane_count;  // of them planes, which come first
@@ -329,7 +331,7 @@ struct DrawArguments {
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(EllipsoidAxes) == 36 && sizeof(Skew) == 20);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 656 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 680 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

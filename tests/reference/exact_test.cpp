@@ -195,6 +195,28 @@ TEST(Ambient, IsWhatTheMediumHides) {
     }
 }
 
+// Of one mixture of soot and cold smoke, and of two: what each of them hides.
+TEST(Emission, IsWhatTheMediumHidesByItsPartOfSoot) {
+    World world;
+    world.blobs = cloud(60, 10, 6, 0.5, {0.4, 0.2, 0});
+    world.emission = {1, 2, 3};
+    world.cold_albedo = {0.4, 0.8, 1};
+    for (const Composition composition : {Composition::overlapping, Composition::sequential}) {
+        world.composition = composition;
+        const RayResult result = along(world, {{1, 2, 20}, glm::normalize(glm::dvec3(0, -0.1, -1))});
+        ASSERT_LT(result.transmittance, 0.5);
+        EXPECT_EQ(result.scattered.x, 0) << "it is cold";
+        EXPECT_NEAR(result.scattered.y, 0.75 * 2 * (1 - result.transmittance), 1e-8);
+        EXPECT_NEAR(result.scattered.z, 3 * (1 - result.transmittance), 1e-8);
+    }
+    world.composition = Composition::overlapping;
+    world.blobs = {blob({0, 0, 0}, 2, 1.6, 0.8, {0.4, 0, 0}), blob({0, 0, -9}, 2, 1.6, 1.5, {0, 0, 0})};
+    const RayResult both = along(world, {{0, 0, 20}, {0, 0, -1}});
+    const double near = std::exp(-2 * world.blobs[0].half_line), far = std::exp(-2 * world.blobs[1].half_line);
+    EXPECT_NEAR(both.scattered.x, near * (1 - far), 1e-8);
+    EXPECT_NEAR(both.transmittance, near * far, 1e-9);
+}
+
 // An orthographic view from a, lit from b, is as bright in sum as one from b lit from a.
 TEST(Reciprocity, ViewAndLightChangePlaces) {
     World world;

@@ -54,6 +54,20 @@ TEST(Tracker, WhiteFurnace) {
             ASSERT_NEAR(picture.radiance[i][c], 1 + c, 1e-12) << i;
 }
 
+// What is as hot as all around it is as bright, whatever it scatters (Kirchhoff 1860).
+TEST(Tracker, AnEvenTemperatureHidesTheMedium) {
+    World world;
+    world.blobs = cloud(40, 6, 5, 1.5, {0.2, 0.5, 0.9});
+    world.ambient = world.sky_horizon = world.sky_zenith = world.emission = glm::dvec3(1, 2, 3);
+    TrackSettings settings;
+    settings.samples = 20'000;
+    const TrackedPicture picture =
+        track(world, perspective(brume::lookAt({1, 2, 12}, {0, 0, 0}, 0.7f), 8, 5), settings);
+    for (size_t i = 0; i < picture.radiance.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            ASSERT_NEAR(picture.radiance[i][c], 1 + c, 5 * picture.standard_error[i][c] + 1e-12) << i;
+}
+
 // Half of the energy absorbed at each event, light from everywhere: a lossy furnace is darker, by the optically thin
 // limit rho tau.
 TEST(Tracker, ThinMediumLosesWhatItAbsorbs) {

@@ -59,6 +59,31 @@ TEST(Emitter, OpticalMassIsConserved) {
     EXPECT_GT(grown, 400u);
 }
 
+// Albedos near the medium's as e^(-age / cooling), each colour by its own time; so what is emitted fades.
+TEST(Emitter, ItsParticlesCoolByEachColoursTime) {
+    Scene scene = plumeScene();
+    EXPECT_EQ(particlesOf(Simulation(scene)).front().albedo, scene.medium.albedo) << "without cooling";
+    scene.medium.albedo = {0.4f, 0.5f, 0.6f};
+    scene.medium.scale = {0.5f, 0.5f};
+    Emitter& emitter = scene.medium.emitter;
+    emitter.growth = 0.4f;
+    emitter.albedo = {0, 0.25f, 0.6f};
+    emitter.cooling = {0.8f, 0.3f, 0};
+    Simulation simulation(scene);
+    const auto expectCooled = [&](glm::dvec3 factor) {
+        for (const gpu::Particle& p : particlesOf(simulation)) {
+            const double age = double(p.scale - 0.5f) / double(emitter.growth);
+            EXPECT_NEAR(p.albedo.x, factor.x * 0.4 * (1 - std::exp(-age / 0.8)), 1e-5) << age;
+            EXPECT_NEAR(p.albedo.y, factor.y * (0.5 - 0.25 * std::exp(-age / 0.3)), 1e-5) << age;
+            EXPECT_NEAR(p.albedo.z, factor.z * 0.6, 1e-6) << age;
+        }
+    };
+    expectCooled(glm::dvec3(1));
+    const Command halved[] = {command(Set{{"medium.albedo", glm::vec3(0.2f, 0.5f, 0.6f)}})};
+    simulation.step(halved);
+    expectCooled({0.5, 1, 1});
+}
+
 // In still air dv/dt = -c v + b (1 - t / T) has a closed form; in wind w, x = w (t - (1 - exp(-c t)) / c).
 TEST(Emitter, RisesAndLeansIntoTheWindAsTheClosedFormSays) {
     Scene scene = plumeScene();

@@ -76,13 +76,14 @@ TEST(PresentOverrides, HaveAllOfAWayWhateverIsToldOfOthers) {
 TEST(PresentOverrides, HaveTheFeaturesThatAreAskedForWhateverIsTold) {
     const Scene scene = sceneWith({});
     const auto facts = sceneFacts(scene);
-    for (uint32_t bits = 0; bits < 64; ++bits) {
+    for (uint32_t bits = 0; bits < 128; ++bits) {
         SceneFeatures wanted{.bodies = (bits & 1) != 0,
                              .lobe = (bits & 2) != 0,
                              .fog = (bits & 4) != 0,
                              .glow = (bits & 12) == 12,
                              .local_lights = (bits & 16) != 0,
-                             .sun = (bits & 32) != 0};
+                             .sun = (bits & 32) != 0,
+                             .emission = (bits & 64) != 0};
         wanted.opaque = wanted.bodies || wanted.local_lights;
         EXPECT_EQ(featuresOf(sceneWith(presentOverrides(*facts, facts->starts, wanted))), wanted) << bits;
     }

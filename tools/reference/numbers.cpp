@@ -84,10 +84,11 @@ void Numbers::add(const std::vector<Element>& list) {
 
 void Numbers::add(const World& world) {
     const auto& [blobs, axes, support, cut_light, composition, balls, tetrahedra, voxels, fogs, lights, obstacles,
-                 sheets, zenith, horizon, haze, ambient, phase, colour] = world;
+                 sheets, zenith, horizon, haze, ambient, emission, cold_albedo, phase, colour] = world;
     add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs);
     add(lights), add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(phase);
     if (colour != glm::dvec3(1)) add(colour);
+    if (emission != glm::dvec3(0)) add(emission), add(cold_albedo);
     if (!sheets.empty()) add(sheets);
     if (!axes.empty()) add(axes);
     if (voxels.volume) add(voxels);

@@ -248,6 +248,7 @@ void RayTracer::addMedia(Panel& panel) const {
         for (int i = 0; i < n; ++i) {
             const ErfTable::Pair pair = stage_.table.at(c.k * (panel.at(i) - c.closest));
             panel.scattering[i] += peak * pair.gauss * c.blob->albedo;
+            panel.emitted[i] += peak * pair.gauss * emittedBy(world_, c.blob->albedo);
             panel.depth[i] += half * (pair.erf - c.erf_begin);
         }
     }
@@ -265,17 +266,20 @@ void RayTracer::addMedia(Panel& panel) const {
             panel.depth[i] += world_.balls.sigma_t * std::max(std::min(t, part.end) - part.begin, 0.0);
             if (!(middle > part.begin && middle < part.end)) continue;
             panel.scattering[i] += world_.balls.sigma_t * world_.balls.albedo;
+            panel.emitted[i] += world_.balls.sigma_t * emittedBy(world_, world_.balls.albedo);
         }
         for (const CellPart& part : cell_parts_) {
             panel.depth[i] += part.depthTo(t);
-            if (part.holds(middle)) panel.scattering[i] += part.extinctionAt(t) * part.albedoAt(t);
+            if (!part.holds(middle)) continue;
+            panel.scattering[i] += part.extinctionAt(t) * part.albedoAt(t);
+            panel.emitted[i] += part.extinctionAt(t) * emittedBy(world_, part.albedoAt(t));
         }
     }
 }
 
 RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) {
     const double width = k > 0 ? k * (t1 - t0) : 1e300;
-    Panel panel{t0, t1, &stage_.rules[width < 0.15 ? 0 : width < 0.8 ? 1 : 2], {}, {}, {}, {}, {}, 0, 0};
+    Panel panel{t0, t1, &stage_.rules[width < 0.15 ? 0 : width < 0.8 ? 1 : 2], {}, {}, {}, {}, {}, {}, 0, 0};
     addMedia(panel);
     const GaussLegendre& rule = *panel.rule;
     const int n = rule.size();
@@ -286,7 +290,7 @@ RayTracer::Panel RayTracer::panelOn(double t0, double t1, double k) {
     for (int i = 0; i < n; ++i) {
         stage_.lighting.scattered(ray_.at(panel.at(i)), ray_.direction, phases_, sources_);
         panel.source[i] = sources_[0];
-        glm::dvec3 light = panel.scattering[i] * panel.source[i], scattering = panel.scattering[i];
+        glm::dvec3 light = panel.scattering[i] * panel.source[i] + panel.emitted[i], scattering = panel.scattering[i];
         for (size_t f = 0; f < world_.fogs.size(); ++f) {
             const double middle = (t0 + t1) / 2;
             if (!(middle > fog_parts_[f].begin && middle < fog_parts_[f].end)) continue;
@@ -364,7 +368,9 @@ void RayTracer::sumSequential(RayResult& result) {
             }
         }
         const double depth = crossedDepth(c, c.t1);
-        result.scattered += transmittance * c.blob->albedo * (scattered + world_.ambient * -std::expm1(-depth));
+        const glm::dvec3 albedo = c.blob->albedo;
+        const glm::dvec3 even = albedo * world_.ambient + emittedBy(world_, albedo);
+        result.scattered += transmittance * (albedo * scattered + even * -std::expm1(-depth));
         transmittance *= std::exp(-depth);
     }
 }

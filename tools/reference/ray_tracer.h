@@ -81,6 +81,7 @@ private:
         const GaussLegendre* rule;
         Values<double> depth;          // from the ray's begin
         Values<glm::dvec3> scattering; // sum of albedo * extinction, of media with World::phase
+        Values<glm::dvec3> emitted;    // radiance per metre, of everything but fogs
         Values<glm::dvec3> source;     // sum of E p T_L Vis, with that phase function
         glm::dvec3 light, ambient;     // the panel's part of the ray's radiance
         double size, error;            // of light + ambient, channels summed; error: an upper estimate

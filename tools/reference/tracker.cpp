@@ -82,6 +82,10 @@ private:
         const PhaseLobes* phase = nullptr;
     };
 
+    Collision ofParticles(double t, glm::dvec3 albedo) const {
+        return {t, albedo, emittedBy(world_, albedo), &world_.phase};
+    }
+
     // The first of the media's own collisions: they are independent.
     Collision collide(const Ray& ray, Random& random) {
         Collision first;
@@ -95,14 +99,14 @@ private:
                            if (t >= t1) return true;
                            const DensityGrid::Density density = grid_.at(cell, ray.at(t));
                            if (random.uniform() * majorant >= density.extinction) continue;
-                           first = {t, density.scattering / density.extinction, glm::dvec3(0), &world_.phase};
+                           first = ofParticles(t, density.scattering / density.extinction);
                            return false;
                        }
                    });
         lighting_.tetrahedra().along({ray.origin, ray.direction, ray.begin, std::min(ray.end, first.t)}, parts_);
         for (const CellPart& part : parts_)
             if (const double t = part.whereDepthIs(random.depth()); t < first.t)
-                first = {t, part.albedoAt(t), glm::dvec3(0), &world_.phase};
+                first = ofParticles(t, part.albedoAt(t));
         return first;
     }
 

@@ -179,9 +179,15 @@ struct World {
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
-    PhaseLobes phase;                         // of everything but fogs, which have their own
-    glm::dvec3 extinction_colour{1};          // of everything but fogs: as theirs
+    // Radiance; everything but fogs emits (1 - albedo / cold_albedo) * emission * extinction per metre.
+    glm::dvec3 emission{0}, cold_albedo{1};
+    PhaseLobes phase;                // of everything but fogs, which have their own
+    glm::dvec3 extinction_colour{1}; // of everything but fogs: as theirs
 };
+// Radiance that everything but fogs emits per optical depth, where it has this albedo.
+inline glm::dvec3 emittedBy(const World& world, glm::dvec3 albedo) {
+    return glm::max(1.0 - albedo / world.cold_albedo, 0.0) * world.emission;
+}
 // True: the extinction of some medium differs among red, green and blue.
 bool isColoured(const World& world);
 // Semi-axes of blob `i`; null: it is a ball.

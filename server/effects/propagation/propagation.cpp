@@ -31,7 +31,7 @@ uint32_t cellsOf(uint32_t side) { return side * side * side; }
 
 // The tick without what light for an irradiance of 1 does not depend on.
 gpu::Tick unlit(gpu::Tick tick) {
-    tick.sun.irradiance = tick.ambient = tick.sky_zenith = tick.sky_horizon = glm::vec3(0);
+    tick.sun.irradiance = tick.ambient = tick.emission = tick.cold_albedo = tick.sky_zenith = tick.sky_horizon = glm::vec3(0);
     tick.haze = 0;
     tick.local_light_count = 0;
     for (gpu::Fog& fog : tick.fogs) fog.emission = glm::vec3(0);

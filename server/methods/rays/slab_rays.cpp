@@ -291,7 +291,7 @@ gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
     return {.sun = one ? 1u : 3u,
             .ambient = features_.ambient && !(one && !features_.fog) ? 3u : 0u,
             .fog = features_.fog ? 3u : 0u,
-            .glow = features_.glow ? 3u : 0u,
+            .glow = features_.glow || (features_.emission && !(one && !features_.fog)) ? 3u : 0u,
             .scattering = features_.local_lights && !one ? 3u : 0u,
             .lamps = features_.local_lights && !features_.fog ? 3u : 0u,
             .multiple = in_sun       ? 0u
