@@ -56,7 +56,8 @@ public:
                        (phase_ * on +
                         physics::scatteredFluence<double>(f.w, glm::dvec3(f), medium_.mean_cosine, -direction_));
             }
-            slab.lit[c] += p.albedo[c] * lit;
+            const double soot = std::max(1 - p.albedo[c] / medium_.cold_albedo[c], 0.0);
+            slab.lit[c] += p.albedo[c] * lit + soot * medium_.emission[c] * part.depth;
         }
     }
 

@@ -38,7 +38,8 @@ bool sameObjects(const Scene& a, const Scene& b) {
 }
 bool sameMedium(const Scene& a, const Scene& b) {
     const Medium &m = a.medium, &n = b.medium;
-    return m.falloff == n.falloff && lobesOf(m) == lobesOf(n) && m.extinction_colour == n.extinction_colour;
+    return m.falloff == n.falloff && lobesOf(m) == lobesOf(n) && m.extinction_colour == n.extinction_colour &&
+           m.emission == n.emission && m.cold_albedo == n.cold_albedo;
 }
 bool sameLight(const Scene& a, const Scene& b) {
     const Light &l = a.lights.front(), &o = b.lights.front();
@@ -60,6 +61,8 @@ Scene sceneOf(const wire::LitParticles& m, uint32_t count) {
     for (const wire::Hue* hue : *m.hues())
         for (int c = 0; c < 3; ++c)
             if (hue->channels() >> c & 1) scene.medium.extinction_colour[c] = hue->extinction();
+    if (m.emission() && m.cold_albedo())
+        scene.medium.emission = vec(*m.emission()), scene.medium.cold_albedo = vec(*m.cold_albedo());
     Light sun;
     sun.to_light = vec(*m.to_light());
     sun.irradiance = vec(*m.irradiance());

@@ -24,9 +24,9 @@ std::string LitReader::problemOf(const wire::LitParticles& m) {
         return fmt::format("{} objects among lit particles; at most {}", m.objects()->size(), kMostObjects);
     bool all = std::isfinite(m.step()) && m.step() > 0 && std::isfinite(m.falloff()) && m.falloff() > 0 &&
                std::isfinite(m.mean_cosine()) && std::isfinite(m.haze()) && std::isfinite(m.exposure());
-    for (const wire::Vec3* v :
-         {m.origin(), m.to_light(), m.irradiance(), m.ambient(), m.straight(), m.zenith(), m.horizon()})
-        all = all && finite(*v);
+    for (const wire::Vec3* v : {m.origin(), m.to_light(), m.irradiance(), m.ambient(), m.straight(), m.zenith(),
+                                m.horizon(), m.emission(), m.cold_albedo()})
+        all = all && (!v || finite(*v));
     for (const float number : *m.phase()) all = all && std::isfinite(number);
     for (const wire::Hue* hue : *m.hues()) all = all && std::isfinite(hue->extinction());
     if (m.objects())

@@ -34,6 +34,7 @@ lit::Medium numbersOf(const Submission::Fits& fits) {
     medium.hues.clear();
     for (const Hue& hue : fits.hues) medium.hues.push_back({hue.channels, double(hue.particles)});
     medium.to_light = tick.sun.to_light, medium.irradiance = tick.sun.irradiance, medium.ambient = tick.ambient;
+    medium.emission = tick.emission, medium.cold_albedo = tick.cold_albedo;
     medium.phase = {tick.phase.part, tick.phase.asymmetry, tick.phase.draine, tick.phase.second};
     medium.straight = tick.multiple.passed;
     medium.mean_cosine = double(tick.multiple.mean_cosine);

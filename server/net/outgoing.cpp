@@ -243,13 +243,16 @@ wire::Packed packLitHeader(const EncodedFrame& frame, float queue_ms) {
         const wire::Vec3 origin = toWire(lit.origin), to_light = toWire(scene.sun.to_light),
                          irradiance = toWire(scene.sun.irradiance), ambient = toWire(scene.ambient),
                          straight = toWire(scene.multiple.passed), zenith = toWire(scene.sky_zenith),
-                         horizon = toWire(scene.sky_horizon);
+                         horizon = toWire(scene.sky_horizon), emission = toWire(scene.emission),
+                         cold_albedo = toWire(scene.cold_albedo);
+        const bool emits = scene.emission != glm::vec3(0);
         return wire::CreateLitParticles(
             b, frame.id, lit.tick, lit.state_hash, lit.number, frame.lit_whole ? 0 : lit.reference, lit.first,
             lit.count, rows.present, &origin, lit.step, scene.falloff, &to_light, &irradiance, packed_phase, &ambient,
             packed_hues, &straight, scene.multiple.mean_cosine, &zenith, &horizon, scene.haze, lit.exposure, lit.filmic,
             packed_objects, lit.predicted, frame.measured.rmse, frame.measured.low, frame.measured.high,
-            uint32_t(rows.bytes.size()), frame.render_ms + frame.encode_ms + queue_ms);
+            uint32_t(rows.bytes.size()), frame.render_ms + frame.encode_ms + queue_ms, emits ? &emission : nullptr,
+            emits ? &cold_albedo : nullptr);
     });
 }
 

@@ -25,6 +25,7 @@ lit::Medium litMediumOf(const World& world) {
     };
     lit::Medium medium;
     medium.to_light = to_light, medium.irradiance = sun.colour, medium.ambient = world.ambient;
+    medium.emission = world.emission, medium.cold_albedo = world.cold_albedo;
     medium.phase = {world.phase.part, world.phase.asymmetry, world.phase.draine, world.phase.second};
     for (const Blob& b : world.blobs) {
         lit::Medium::Particle p{b.centre, b.scale, b.k, b.sigma_t, b.albedo};
@@ -76,6 +77,11 @@ TEST(LitMedium, IsNearTheReference) {
     lobe.phase = {0.7, 0.6, 0, 0};
     lobe.ambient = {0.1, 0.2, 0.3};
     EXPECT_LT(errorOf(lobe, lookAt({-15, 2, 12}, {0, 0, 0}, 0.6f)), 0.02) << "with a lobe and ambient light";
+    World soot = world;
+    for (size_t i = 0; i < soot.blobs.size(); ++i) soot.blobs[i].albedo *= double(i % 3) / 2;
+    soot.emission = {12, 4, 1};
+    soot.cold_albedo = {0.9, 0.8, 0.7};
+    EXPECT_LT(errorOf(soot, lookAt({0, 2, 22}, {0, 0, 0}, 0.6f)), 0.02) << "with glowing soot";
 }
 
 // One particle alone: nothing overlaps, so the fit to its own shadow is what errs, in proportion to its depth.

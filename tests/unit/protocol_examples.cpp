@@ -217,6 +217,18 @@ std::vector<Example> makeExamples() {
                                             uint32_t(jpeg.size()), 2.5f);
         },
         jpeg));
+    all.push_back(example(
+        "lit_particles_glowing",
+        [&](Builder& b) {
+            const std::vector<float> phase{0.7f, 0.3f, 0, 0.5f};
+            const std::vector<Hue> hues{{7, 1}};
+            const Vec3 none(0, 0, 0), one(1, 1, 1), emission(32, 12.5f, 3), cold_albedo(0.5f, 0.5f, 0.25f);
+            return CreateLitParticlesDirect(b, 42, 123'456'789'013, 0xfedc'ba98'7654'3210, 13, 0, 9'007'199'254'740'993,
+                                            500, 0x101, &v, 0.0078125f, 1.5f, &to_light, &irradiance, &phase, &none,
+                                            &hues, &one, 0, &none, &none, 0, 1, true, nullptr, 0, 0, 0, 0,
+                                            uint32_t(jpeg.size()), 2.5f, &emission, &cold_albedo);
+        },
+        jpeg));
     return all;
 }
 

@@ -67,6 +67,8 @@ class Particles:
     irradiance: tuple  # of the sun
     phase: Phase
     ambient: tuple  # radiance that comes from all sides
+    emission: tuple  # a particle emits max(1 - albedo / cold_albedo, 0) times this radiance
+    cold_albedo: tuple
     straight: tuple  # with fluence: light that scatters straight on passes this part of the extinction
     mean_cosine: float  # with fluence: of the phase function
     zenith: tuple  # radiance of the sky
@@ -244,6 +246,8 @@ def _particles(table, data, held):
         number=table.Number(), tick=table.Tick(), hash=f'{table.StateHash():016x}', falloff=falloff,
         to_light=_vector('to_light', table.ToLight()), irradiance=_vector('irradiance', table.Irradiance()),
         phase=_phase(table), ambient=_vector('ambient', table.Ambient()),
+        emission=_vector('emission', table.Emission()) if table.Emission() else (0.0, 0.0, 0.0),
+        cold_albedo=_vector('cold_albedo', table.ColdAlbedo()) if table.ColdAlbedo() else (1.0, 1.0, 1.0),
         straight=_vector('straight', table.Straight()), mean_cosine=_finite('mean_cosine', table.MeanCosine()),
         zenith=_vector('zenith', table.Zenith()), horizon=_vector('horizon', table.Horizon()),
         haze=_finite('haze', table.Haze()), exposure=_finite('exposure', table.Exposure()),

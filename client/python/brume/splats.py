@@ -20,7 +20,9 @@ def colours(particles):
     light = particles.light_at()
     if particles.fluence is not None:
         light = light ** numpy.asarray(particles.straight, numpy.float32) + particles.fluence.T
-    seen = particles.albedos * (light * particles.irradiance / (4 * math.pi) + particles.ambient) * particles.exposure
+    soot = numpy.maximum(1 - particles.albedos / numpy.asarray(particles.cold_albedo), 0)
+    seen = particles.albedos * (light * particles.irradiance / (4 * math.pi) + particles.ambient)
+    seen = (seen + soot * particles.emission) * particles.exposure
     if particles.filmic:  # Narkowicz's fit of the ACES curve
         seen = seen * (2.51 * seen + 0.03) / (seen * (2.43 * seen + 0.59) + 0.14)
     return _srgb(seen.clip(0, 1))

@@ -234,6 +234,7 @@ export class LitMedium {
       program
         .use()
         .set({ ...uniforms, ...sun, ambient: message.ambient, straight: message.straight })
+        .set({ emission: message.emission, cold_albedo: message.coldAlbedo })
         .set({ mean_cosine: message.meanCosine })
         .setVectors(
           'channels',

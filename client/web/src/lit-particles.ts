@@ -93,6 +93,8 @@ export function decodeParticles(wire: WireParticles, tail: Uint8Array<ArrayBuffe
     irradiance: toVec3(wire.irradiance()),
     phase,
     ambient: toVec3(wire.ambient()),
+    emission: wire.emission() ? toVec3(wire.emission()) : [0, 0, 0],
+    coldAlbedo: wire.coldAlbedo() ? toVec3(wire.coldAlbedo()) : [1, 1, 1],
     hues: huesOf(wire),
     straight: toVec3(wire.straight()),
     zenith: toVec3(wire.zenith()),

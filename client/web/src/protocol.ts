@@ -210,6 +210,8 @@ export interface LitParticles {
   irradiance: Vec3;
   phase: readonly number[]; // 4
   ambient: Vec3;
+  emission: Vec3; // a particle emits max(1 - albedo / coldAlbedo, 0) of this radiance per optical depth
+  coldAlbedo: Vec3;
   hues: Hue[]; // each channel is in one of them
   straight: Vec3;
   meanCosine: number;

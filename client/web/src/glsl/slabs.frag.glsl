@@ -1,7 +1,7 @@
 // What a particle adds to the slabs of a ray: optical depth times source, and optical depth.
 uniform sampler2D places;
 uniform vec3 channels[HUES]; // of each hue 1 where a channel is of it
-uniform vec3 irradiance, ambient, straight;
+uniform vec3 irradiance, ambient, straight, emission, cold_albedo;
 uniform float mean_cosine;
 flat in vec4 light[HUES];
 flat in vec3 bend[HUES];
@@ -25,7 +25,8 @@ vec4 inSlab(LitSums from, LitSums to) {
   // What scattered straight on comes from where the sun is, too.
   lit = depth * pow(max(lit / max(depth, 1e-30), 1e-6), straight);
 #endif
-  return vec4(matter.yzw * (beam * lit + rest * depth), depth);
+  vec3 soot = max(1.0 - matter.yzw / cold_albedo, 0.0);
+  return vec4(matter.yzw * (beam * lit + rest * depth) + soot * emission * depth, depth);
 }
 
 LitRange slabs; // in units of the medium's radius
