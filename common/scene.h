@@ -222,6 +222,7 @@ struct Sky {
     glm::vec3 ambient{
         0};         // uniform radiance that the medium scatters in without shadowing; exact: rho * ambient * (1 - T)
     float haze = 0; // 1/m; extinction of clear air in front of surfaces, which fade to the sky
+    bool lights = false; // True: it lights the medium, which dims and scatters its light
 };
 
 struct SceneCamera {

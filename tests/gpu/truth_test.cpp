@@ -144,9 +144,10 @@ TEST_F(TruthTest, PicturesAndPathsAreThoseOfTheReference) {
 
 TEST_F(TruthTest, DependsOnWorldCameraPixelsAndTolerance) {
     const View view;
-    View moved, other = view;
+    View moved, other = view, lit = view;
     moved.camera.position.y += 1e-3;
     other.world.blobs[0].sigma_t *= 1.001;
+    lit.world.sky_lights = true;
     const std::vector<glm::uvec2> pixels{{3, 4}, {5, 4}}, swapped{{5, 4}, {3, 4}};
     truthOf(view.world, view.camera, pixels, 1e-5);
     truthOf(moved.world, moved.camera, pixels, 1e-5);
@@ -156,7 +157,8 @@ TEST_F(TruthTest, DependsOnWorldCameraPixelsAndTolerance) {
     truePicture(view.world, view.camera, 1e-5);
     truePaths(view.world, view.camera, 4);
     truePaths(view.world, view.camera, 5);
-    EXPECT_EQ(files(), 8u);
+    truePaths(lit.world, lit.camera, 4);
+    EXPECT_EQ(files(), 9u);
 }
 
 } // namespace

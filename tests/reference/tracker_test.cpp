@@ -68,6 +68,42 @@ TEST(Tracker, AnEvenTemperatureHidesTheMedium) {
             ASSERT_NEAR(picture.radiance[i][c], 1 + c, 5 * picture.standard_error[i][c] + 1e-12) << i;
 }
 
+// The sky itself in place of ambient light: it is seen behind, and lights what scatters where that is asked for.
+TEST(Tracker, TheSkyIsAFurnaceWhereItLights) {
+    World world;
+    world.blobs = cloud(40, 6, 5, 1.5, glm::dvec3(1));
+    world.fogs = {{0.05, glm::dvec3(1), 0.2}};
+    world.fogs[0].lo = -6;
+    world.phase = {0.8, 0.6};
+    world.sky_horizon = world.sky_zenith = glm::dvec3(1, 2, 3);
+    world.sky_lights = true;
+    TrackSettings settings;
+    settings.samples = 20;
+    const Camera camera = perspective(brume::lookAt({1, 2, 12}, {0, 0, 0}, 0.7f), 16, 9);
+    const TrackedPicture picture = track(world, camera, settings);
+    for (size_t i = 0; i < picture.radiance.size(); ++i)
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.radiance[i][c], 1 + c, 1e-12) << i;
+    world.sky_lights = false;
+    EXPECT_LT(track(world, camera, settings).radiance[5 * 16 + 8].x, 0.5);
+}
+
+// A thin medium gets the sky's mean over the phase function: here of all directions.
+TEST(Tracker, AThinMediumScattersTheMeanOfTheSky) {
+    World world;
+    world.blobs = {blob({0, 0, 0}, 2, 1.6, 0.01, glm::dvec3(1))};
+    world.sky_horizon = glm::dvec3(1), world.sky_zenith = glm::dvec3(3);
+    world.sky_lights = true;
+    TrackSettings settings;
+    settings.samples = 1'000'000;
+    const TrackedPicture lit = track(world, downward(), settings);
+    world.sky_lights = false;
+    const TrackedPicture dimmed = track(world, downward(), settings); // of the sky below, of radiance 1
+    const double scattered = 1 - dimmed.radiance[0].x, error = lit.standard_error[0].x / scattered;
+    expectWithin("light of a thin medium", (lit.radiance[0].x - dimmed.radiance[0].x) / scattered, error,
+                 1 + 2 * 0.325);
+    EXPECT_LT(error, 0.02);
+}
+
 // Half of the energy absorbed at each event, light from everywhere: a lossy furnace is darker, by the optically thin
 // limit rho tau.
 TEST(Tracker, ThinMediumLosesWhatItAbsorbs) {

@@ -51,8 +51,10 @@ public:
                 if (hit.object >= 0) {
                     const glm::dvec3 surface = lighting_.surface(hit, ray);
                     radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t, ray.direction) : surface);
-                } else
-                    radiance += weight * (order == 0 ? skyRadiance(world_, ray.direction) : world_.ambient);
+                } else {
+                    if (order > 0) radiance += weight * world_.ambient;
+                    if (order == 0 || world_.sky_lights) radiance += weight * skyRadiance(world_, ray.direction);
+                }
                 return radiance;
             }
             radiance += weight * collision.emitted;

@@ -196,6 +196,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     world.cold_albedo = coldAlbedo(now.medium);
     for (int c = 0; c < 3; ++c)
         if (!(world.cold_albedo[c] > 0)) world.emission[c] = 0, world.cold_albedo[c] = 1;
+    world.sky_lights = scene.sky.lights;
     world.phase = lobesOf(now.medium);
     world.extinction_colour = extinctionParts(now.medium.extinction_colour);
     return world;
