@@ -176,6 +176,20 @@ void refuseBesides(const TableReader& in, const Scene& scene) {
     if (std::ranges::any_of(scene.lights, isLocal)) fail("light", "points and spots are not");
 }
 
+// The sky's light goes through the fluxes of particles alone.
+void refuseSkyLight(const Scene& scene) {
+    if (!scene.sky.lights) return;
+    const auto fail = [](const std::string& what) { throw SceneError("sky.lights: true " + what); };
+    const Medium& medium = scene.medium;
+    if (medium.model == kUnionMedium || medium.model == kVolumeMedium)
+        fail("with medium.model = \"" + medium.model +
+             "\", in which light scatters once; set sky.ambient in its place");
+    if (medium.layout == Layout::none) fail("without particles that it could light; set sky.ambient in its place");
+    if (scene.render.scattering != "propagation")
+        fail("with render.scattering = \"" + scene.render.scattering +
+             "\"; set it to \"propagation\", or sky.ambient in its place");
+}
+
 void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, const glm::dvec3& origin) {
     read.readTable(in, "camera", {.camera = &out}, &origin);
     if (!(glm::distance(out.position, out.target) > 1e-3f))
@@ -280,6 +294,7 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
     if (out.medium.model == kUnionMedium && out.render.scattering != "single")
         throw SceneError("render.scattering: \"" + out.render.scattering + "\"; a union medium needs \"single\"");
+    refuseSkyLight(out);
     if (out.render.shadow_map == "fronts" && out.medium.model != kSumMedium)
         throw SceneError("render.shadow_map: \"fronts\"; medium.model = \"" + out.medium.model + "\" needs \"sums\"");
     if (out.render.sprites.maps == "files")

@@ -262,6 +262,8 @@ constexpr SceneSetting kBeforeMethods[]{
      "Uniform radiance that the medium scatters without shadowing"},
     {"sky.haze", at<&P::sky, &Sky::haze>, "1/m", limits::kHaze,
      "Extinction of clear air: surfaces fade to the sky's radiance, the medium does not"},
+    {"sky.lights", at<&P::sky, &Sky::lights>, "", kNone,
+     "With render.scattering = \"propagation\". True: zenith and horizon light the medium, which dims and scatters it"},
 
     {"camera.position", at<&P::camera, &SceneCamera::position>, "m", limits::kPlace, "Where a viewer's camera starts",
      kNobody, Form::place},

@@ -45,5 +45,6 @@ void main() {
     const float scale = 1 / (float(kAcross * kAcross) * height);
     const uint to = numbersAt(cellAt(place, push.side));
     cells[to] = extinction * scale;
-    for (uint c = 0; c < push.channels; ++c) cells[to + 1 + 2 * c] = cells[to + 2 + 2 * c] = source[c] * scale;
+    for (uint c = 0; c < push.channels; ++c)
+        cells[to + 1 + 2 * c] = cells[to + 2 + 2 * c] = source[c] * (scale * tick.multiple.sun[c]);
 }

@@ -15,11 +15,17 @@ layout(scalar) buffer Fluence { vec4 fluence[]; };
 
 #include "shaders/lib/flux_grid.glsl"
 
-// What leaves the cell before this one along an axis (0 ... 2 up it, 3 ... 5 down it); nothing comes from outside.
+// What comes from outside up or down an axis.
+float fromOutside(uint channel, uint axis, bool up) {
+    const float more = tick.multiple.entering_up[axis][channel];
+    return tick.multiple.entering[channel] + (up ? more : -more);
+}
+
+// What leaves the cell before this one along an axis (0 ... 2 up it, 3 ... 5 down it), or comes from outside.
 float from(uint channel, uvec3 place, uint way) {
     const uint axis = way % 3;
     const bool up = way < 3;
-    if (up ? place[axis] == 0 : place[axis] + 1 == push.side) return 0;
+    if (up ? place[axis] == 0 : place[axis] + 1 == push.side) return fromOutside(channel, axis, up);
     place[axis] += up ? -1 : 1;
     return fluxes[fluxesAt(channel, push.first + cellAt(place, push.side)) + way];
 }

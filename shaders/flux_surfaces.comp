@@ -169,7 +169,7 @@ void main() {
     }
     const uint count = push.side * push.side * push.side;
     for (uint c = 0; c < push.channels; ++c) {
-        SurfaceLight light = SurfaceLight(solid ? -1 : free[c], kDeepest, vec3(0));
+        SurfaceLight light = SurfaceLight(solid ? -1 : tick.multiple.sun[c] * free[c], kDeepest, vec3(0));
         if (sums[c].w > 1e-30) { // a smaller fluence may count as 0 in a division
             light.depth = min(log(free[c] / sums[c].w), kDeepest);
             light.mean_way = sums[c].xyz / sums[c].w;

@@ -210,7 +210,7 @@ void main() {
     float phase = 0.07957747154594767;
     if (kHasLobe) phase = mediumPhase(-tick.sun.to_light, -line.dir);
     vec3 medium = tick.sun.irradiance * phase * seen.scattered;
-    if (kScatteringModel != kScatteringSingle) medium += tick.sun.irradiance * seen.again;
+    if (kScatteringModel != kScatteringSingle) medium += tick.multiple.irradiance * seen.again;
     if (kOneAlbedo) medium *= push.albedo, seen.hidden *= push.albedo;
     medium += evenLight(opacity(seen.depth), seen.hidden);
     imageStore(radiance, pixel, vec4(medium, 0) + exp(-seen.depth) * imageLoad(radiance, pixel));

@@ -10,9 +10,9 @@
 namespace brume {
 
 // Fluxes have the mean albedo of the particles, by extinction and volume; three channels where it or the albedo of
-// an object is coloured. Light scatters once in a union medium, and where there are no
-// particles.
-void setMultiple(gpu::Tick& tick, const SceneNow& now, std::span<const gpu::Particle> particles,
+// an object is coloured, or light that is their own. Light scatters once in a union medium, and where there are no
+// particles. Precondition: the tick has its sun and the axes of its map.
+void setMultiple(gpu::Tick& tick, const Sky& sky, const SceneNow& now, std::span<const gpu::Particle> particles,
                  std::span<const gpu::Opaque> objects);
 
 // The model, gpu::kScatteringSingle and so on, as a tick has it, and as settings ask for it.

@@ -180,7 +180,9 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.hi = medium.hi;
     const glm::vec3 size = medium.hi - medium.lo;
     const glm::mat3 basis(tick.map.x, tick.map.y, tick.sun.to_light);
-    const bool dark = tick.sun.irradiance == glm::vec3(0); // no light: the smallest map
+    setMultiple(tick, scene.sky, now, particles, objects);
+    // No light: the smallest map.
+    const bool dark = tick.sun.irradiance == glm::vec3(0) && tick.multiple.own == 0;
     const bool follow = now.render.shadow_size == 0 || now.render.shadow_slices == 0;
     const ShadowedMedium shadowed(follow && !dark ? balls : std::span<const gpu::Particle>(), tick.falloff, basis);
     const ShadowResolution resolution = dark ? ShadowResolution{} : shadowResolution(now.render, shadowed, size);
@@ -190,7 +192,6 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.map.v = glm::vec4(tick.map.y, -medium.lo.y) / size.y;
     tick.map.plane = glm::vec4(-tick.sun.to_light, medium.hi.z) * (float(tick.map.slices - 1) / size.z);
 
-    setMultiple(tick, now, particles, objects);
     if (needsBalls(now.medium, now.render)) setBalls(tick, now.medium, now.render, particles);
     addMeshes(tick, scene);
     LightBounds casters;

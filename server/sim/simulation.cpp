@@ -71,7 +71,7 @@ glm::vec3 turned(glm::vec3 v, float angle, glm::vec3 axis) {
 } // namespace
 
 Simulation::State::State(const Scene& scene, uint64_t most_bytes)
-    : now{scene.medium, sunOf(scene), listsOf(scene), scene.render, scene.simulation} {
+    : sky_lights(scene.sky.lights), now{scene.medium, sunOf(scene), listsOf(scene), scene.render, scene.simulation} {
     if (scene.medium.layout == Layout::emitter) {
         rows = scene.medium.count;
         columns.emplace(rows);
@@ -190,6 +190,11 @@ std::string Simulation::State::apply(const Remove& c) {
 
 // All changes, or none.
 std::string Simulation::State::apply(const Set& c) {
+    const auto darkens = [](const Change& one) {
+        return one.setting->path == "render.scattering" && one.value != SettingValue(std::string("propagation"));
+    };
+    if (sky_lights && std::ranges::any_of(c.changes, darkens))
+        return "the sky lights this scene's medium, for which render.scattering stays \"propagation\"";
     const bool lists = std::ranges::any_of(c.changes, [](const Change& one) { return one.setting->in_list; });
     std::string problem = lists ? change([&](SceneLists& to) { return set(to, c.changes); }) : "";
     if (!problem.empty()) return problem;

@@ -45,6 +45,7 @@ struct Simulation::State {
     void exchange(StateBytes& bytes);
     void exchangeColumns(StateBytes& bytes);
 
+    const bool sky_lights; // Sky::lights
     uint32_t rows = 0;
     std::optional<PointCloudFacts> cloud;
     std::vector<gpu::EllipsoidAxes> axes; // Simulation::axes()

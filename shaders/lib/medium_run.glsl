@@ -113,7 +113,7 @@ vec3 mediumLight(vec3 dir, float ray[kMostFieldQuantities], float opaque_part, v
     if (kHasAmbient)
         for (uint c = 0; c < kAmbientColours; ++c) light[c] += tick.ambient[c] * ray[fieldAmbient() + c];
     if (kMultipleColours > 0) { // objects shadow octaves as they do the sun's light; fluxes know shadows already
-        const vec3 part = tick.sun.irradiance * (kScatteringModel == kScatteringOctaves ? sunlit : vec3(1));
+        const vec3 part = tick.multiple.irradiance * (kScatteringModel == kScatteringOctaves ? sunlit : vec3(1));
         for (uint c = 0; c < 3; ++c)
             light[c] += kMultipleColours == 1 ? grid.albedo[c] * part[c] * ray[fieldMultiple()] :
                                                 part[c] * ray[fieldMultiple() + c];

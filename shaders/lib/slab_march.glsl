@@ -158,7 +158,7 @@ void march() {
                 const bool has_colour = kSunColours == 1 && kMultipleColours == 3;
                 const vec3 alike = has_colour ? vec3(min(straight.x, min(straight.y, straight.z))) : straight;
                 with_multiple += transmittance * alike;
-                if (has_colour) multiple += transmittance * sun_phase * (straight - alike);
+                if (has_colour) multiple += transmittance * sun_phase * tick.multiple.sun * (straight - alike);
                 if (kMultipleColours == 0) with_multiple += multiple / max(sun_phase, 1e-6);
             }
             if (kMultipleColours == 1) sum[fieldMultiple()] += multiple.x;

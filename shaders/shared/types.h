@@ -124,6 +124,14 @@ struct Multiple {
     float asymmetry;   // of what is scattered out of the scaled beam, in [-1/3, 1/3]
     vec3 passed;       // part of the extinction that dims the scaled beam, in each channel
     vec3 albedo;       // of what is scattered out of it, in each channel
+    // Own light of the medium, which the sky sends into it, has other colours than the sun's.
+    uint own;        // 1: the fluxes have own light, and are absolute; 0: they are for an irradiance of the sun of 1
+    vec3 sun;        // W/m^2, the sun's irradiance in the fluxes: with own light its own, else 1
+    vec3 irradiance; // that light which scatters again is multiplied by: with own light 1, else the sun's, W/m^2
+    // W/m^2, what enters the cells from outside along each axis of the fluxes: the mean of up and down, and half of
+    // their difference.
+    vec3 entering;
+    vec3 entering_up[3];
 };
 
 // Values that all viewers share in one tick.
@@ -331,7 +339,7 @@ struct DrawArguments {
 static_assert(sizeof(Particle) == 32 && offsetof(Particle, albedo) == 16 && offsetof(Particle, sigma_t) == 28);
 static_assert(sizeof(EllipsoidAxes) == 36 && sizeof(Skew) == 20);
 static_assert(sizeof(Light) == 24 && sizeof(LightMap) == 128 && offsetof(LightMap, opaque_lo) == 56);
-static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 680 && offsetof(Tick, map) == 24 &&
+static_assert(sizeof(LocalLight) == 112 && sizeof(Tick) == 756 && offsetof(Tick, map) == 24 &&
               offsetof(Tick, falloff) == 152);
 static_assert(sizeof(ObjectNode) == 32 && sizeof(Triangle) == 48);
 static_assert(sizeof(Eye) == 116 && offsetof(Eye, size) == 64 && sizeof(MapRays) == 48);

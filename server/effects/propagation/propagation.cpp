@@ -29,9 +29,10 @@ struct Push { // as in the shaders
 
 uint32_t cellsOf(uint32_t side) { return side * side * side; }
 
-// The tick without what light for an irradiance of 1 does not depend on.
+// The tick without what the fluxes do not depend on: gpu::Multiple has the irradiance and the sky that they have.
 gpu::Tick unlit(gpu::Tick tick) {
-    tick.sun.irradiance = tick.ambient = tick.emission = tick.cold_albedo = tick.sky_zenith = tick.sky_horizon = glm::vec3(0);
+    tick.sun.irradiance = tick.ambient = tick.emission = tick.cold_albedo = glm::vec3(0);
+    tick.sky_zenith = tick.sky_horizon = tick.multiple.irradiance = glm::vec3(0);
     tick.haze = 0;
     tick.local_light_count = 0;
     for (gpu::Fog& fog : tick.fogs) fog.emission = glm::vec3(0);

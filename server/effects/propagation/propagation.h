@@ -1,7 +1,8 @@
 // Propagation: light of the sun that scatters more than once, once per tick and hue for all viewers. Six fluxes pass
 // cells of the bounds of the volumetric shadow map (shaders/shared/multiple.h), on three grids: what a coarse one has
 // is where the next finer one begins. Each tick begins with no light, so that a picture depends on nothing before it.
-// What planes, boxes and spheres reflect of the sun's light is light of the cells, too.
+// What planes, boxes and spheres reflect of the sun's light is light of the cells, too. With own light, as the sky's,
+// it enters at their outer faces, and all is absolute (gpu::Multiple::own).
 #pragma once
 
 #include "server/effects/made_for.h"
@@ -31,7 +32,7 @@ private:
     gpu::Buffer cells_, fluxes_, fluence_, surfaces_;
     gpu::Image image_;
     struct Key {
-        gpu::Tick tick{}; // without what light for an irradiance of 1 does not depend on
+        gpu::Tick tick{}; // without what the fluxes do not depend on
         PropagationSettings propagation;
         Versions versions; // without that of the particles, whose depths have one
         SceneFeatures features;

@@ -287,7 +287,8 @@ gpu::FieldColours SlabRays::coloursOf(const EyeInputs& in) const {
     const uint32_t model = scatteringOf(multiple);
     const bool one_colour = one && (model != gpu::kScatteringPropagation || multiple.channels == 1);
     // True: the sun's quantities hold what has scattered more than once, too.
-    const bool in_sun = model == gpu::kScatteringSingle || (one == one_colour && !features_.casters);
+    const bool in_sun =
+        model == gpu::kScatteringSingle || (one == one_colour && !features_.casters && multiple.own == 0);
     return {.sun = one ? 1u : 3u,
             .ambient = features_.ambient && !(one && !features_.fog) ? 3u : 0u,
             .fog = features_.fog ? 3u : 0u,
