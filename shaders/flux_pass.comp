@@ -3,9 +3,12 @@
 #extension GL_EXT_scalar_block_layout : require
 // Six fluxes: half steps on one grid. In each, every second cell takes what its neighbours, which are of the other
 // half, let out. A lane is a cell after another. More than one half step is made by one workgroup alone.
+#include "shaders/shared/constants.h"
 #include "shaders/shared/types.h"
 
 layout(local_size_x = 256) in;
+
+layout(constant_id = kIdOwnLight) const bool kOwnLight = false;
 
 #include "shaders/blocks/tick.glsl"
 layout(scalar) readonly buffer Cells { float cells[]; };
@@ -17,6 +20,7 @@ layout(scalar) buffer Fluence { vec4 fluence[]; };
 
 // What comes from outside up or down an axis.
 float fromOutside(uint channel, uint axis, bool up) {
+    if (!kOwnLight) return 0;
     const float more = tick.multiple.entering_up[axis][channel];
     return tick.multiple.entering[channel] + (up ? more : -more);
 }

@@ -48,6 +48,9 @@ const uint kIdTaylorStep = 49u;    // bool: the Taylor series has a step of its 
 const uint kIdTaylorShadows = 51u; // bool: objects shadow the medium with the Taylor series, too
 const uint kReturnSum = 0u, kReturnFixed = 1u, kReturnNone = 2u;
 
+// Light that scatters more than once.
+const uint kIdOwnLight = 53u; // bool: Multiple::own (types.h)
+
 // The volumetric shadow map.
 const uint kIdFronts = 52u; // bool: a particle's whole optical depth counts from the plane behind its front on
 

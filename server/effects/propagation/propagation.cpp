@@ -66,7 +66,8 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     key.versions.medium = 0;
     if (!made_for_.outdated(key)) return;
     const bool surfaces = reflects(settings) && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
-    const gpu::Constants constants = constantsOf(tick.features);
+    gpu::Constants constants = constantsOf(tick.features);
+    constants.push_back({gpu::kIdOwnLight, multiple.own});
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
