@@ -40,7 +40,8 @@ void main() {
             light = sum / parts * exp(-max(depth / sum - 0.5 * own, 0)) * phi(own) * vec4(way / sum, 1);
         }
         fluence[c * push.side * push.side * push.side + cell] = light;
-        const float source = cells[numbers] * tick.multiple.albedo[c] * light.w;
+        const float own = kCellMatter ? cells[scatteringAt(c, push.first + cell)] / max(cells[numbers], 1e-30) : 0;
+        const float source = cells[numbers] * scaledMedium(c, own).y * light.w;
         cells[numbers + 1 + 2 * c] += source;
         if (sum > 0) cells[numbers + 2 + 2 * c] += source * way.z / sum;
     }

@@ -49,8 +49,10 @@ void passFluxes(uint at, uint parity) {
         }
         const float all = cells[numbers + 1 + 2 * c], sunward = all > 0 ? cells[numbers + 2 + 2 * c] / all : 0;
         const float source = extinction > 0 ? all / extinction : 0;
-        const FluxCell passed = passCell(entering, extinction * tick.multiple.passed[c] * cellSize(),
-                                         tick.multiple.albedo[c], tick.multiple.asymmetry, source, vec3(0, 0, sunward));
+        const float albedo = kCellMatter && extinction > 0 ? cells[scatteringAt(c, cell)] / extinction : 0;
+        const vec2 scaled = scaledMedium(c, albedo);
+        const FluxCell passed = passCell(entering, extinction * scaled.x * cellSize(), scaled.y,
+                                         tick.multiple.asymmetry, source, vec3(0, 0, sunward));
         const uint to = fluxesAt(c, cell);
         for (uint axis = 0; axis < 3; ++axis) {
             fluxes[to + axis] = passed.leaving.up[axis];

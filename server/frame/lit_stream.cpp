@@ -33,6 +33,8 @@ std::string whyNotDrawable(const ShownScene& shown) {
     if (features.glass) return "it has glass";
     if (scatteringOf(now.render) == gpu::kScatteringOctaves) return "its light scatters as octaves";
     if (shown.scene->sky.lights) return "the sky lights it";
+    if (features.emission && scatteringOf(now.render) == gpu::kScatteringPropagation)
+        return "light that it emits scatters in it";
     const size_t objects =
         now.lists.planes.size() + now.lists.boxes.size() + now.lists.spheres.size() + now.lists.laid_out;
     if (objects > kMostObjects) return fmt::format("it has more than {} objects", kMostObjects);

@@ -70,7 +70,11 @@ void setMultiple(gpu::Tick& tick, const Sky& sky, const SceneNow& now, std::span
         multiple.cells = (now.render.propagation.cells + kStep - 1) / kStep * kStep;
         const bool surfaces = reflects(now.render.propagation);
         bool grey = albedo.x == albedo.y && albedo.x == albedo.z && !(surfaces && hasColours(objects));
-        if (sky.lights) grey &= setOwnLight(tick, outerLight(sky, groundOf(sky, surfaces, objects)), multiple);
+        const bool emits = tick.emission != glm::vec3(0);
+        if (sky.lights || emits) {
+            const OuterLight outer = sky.lights ? outerLight(sky, groundOf(sky, surfaces, objects)) : OuterLight{};
+            grey &= setOwnLight(tick, outer, multiple) && !emits;
+        }
         multiple.channels = grey ? 1 : 3;
         multiple.mean_cosine = float(cosine);
         multiple.asymmetry = float(physics::beamAsymmetry(cosine, straight));

@@ -1,7 +1,10 @@
 // The grids of cells that the six fluxes pass (shared/multiple.h), in light space: x and y along LightMap::x and y, z
 // the way that the sun's light goes.
 #include "shaders/blocks/tick.glsl"
+#include "shaders/shared/constants.h"
 #include "shaders/shared/multiple.h"
+
+layout(constant_id = kIdCellMatter) const bool kCellMatter = false; // True: cells have their own albedo
 
 layout(push_constant, scalar) uniform Push {
     uint side;     // cells along each side of this grid
@@ -26,9 +29,21 @@ vec3 cellSize() { return (tick.map.hi - tick.map.lo) / float(push.side); } // m
 
 uint cellAt(uvec3 place, uint side) { return (place.z * side + place.y) * side + place.x; }
 // A cell's numbers: its extinction, 1/m, and two of each channel: extinction times firstScattered(), and the
-// same times the part by which that light goes on the sun's way, in [-1, 1].
-uint numbersOfCell() { return 1 + 2 * push.channels; }
+// same times the part by which that light goes on the sun's way, in [-1, 1]. With kCellMatter its scattering, 1/m, in
+// each channel follows.
+uint numbersOfCell() { return 1 + (kCellMatter ? 3 : 2) * push.channels; }
 uint numbersAt(uint cell) { return cell * numbersOfCell(); }
+uint scatteringAt(uint channel, uint cell) { return numbersAt(cell) + 1 + 2 * push.channels + channel; }
+
+// The scaled medium of a cell in a channel: part of the extinction that dims the beam, and albedo. own: the albedo of
+// the cell's particles, which counts with kCellMatter.
+vec2 scaledMedium(uint channel, float own) {
+    const float passed = tick.multiple.passed[channel], scaled = tick.multiple.albedo[channel];
+    if (!kCellMatter) return vec2(passed, scaled);
+    const float straight = straightOf(passed, scaled);
+    return vec2(passedPart(own, straight), scaledAlbedo(own, straight));
+}
+
 // Index of the six fluxes that leave a cell: up and down.
 uint fluxesAt(uint channel, uint cell) { return (channel * push.all + cell) * 6; }
 

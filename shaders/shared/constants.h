@@ -49,7 +49,8 @@ const uint kIdTaylorShadows = 51u; // bool: objects shadow the medium with the T
 const uint kReturnSum = 0u, kReturnFixed = 1u, kReturnNone = 2u;
 
 // Light that scatters more than once.
-const uint kIdOwnLight = 53u; // bool: Multiple::own (types.h)
+const uint kIdOwnLight = 53u;   // bool: Multiple::own (types.h)
+const uint kIdCellMatter = 54u; // bool: cells have their own albedo, and what they emit
 
 // The volumetric shadow map.
 const uint kIdFronts = 52u; // bool: a particle's whole optical depth counts from the plane behind its front on

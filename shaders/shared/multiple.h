@@ -46,6 +46,12 @@ BRUME_FN real scaledAlbedo(real albedo, real straight) {
     return albedo * (real(1) - straight) / max(passedPart(albedo, straight), real(1e-6));
 }
 
+// The straight part of a medium whose albedo it is, from its passedPart() and its scaledAlbedo(). In [0, 1].
+BRUME_FN real straightOf(real passed, real scaled) {
+    const real albedo = scaled * passed + real(1) - passed;
+    return albedo > real(0) ? min((real(1) - passed) / albedo, real(1)) : real(0);
+}
+
 // Power that the scaled beam of irradiance 1 loses by scattering in a cell, over the power that the cell's extinction
 // would take from an irradiance of 1. before: optical depth of the scaled medium between the light and the cell; own:
 // through the cell.

@@ -5,6 +5,8 @@
 
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/truth.h"
+#include "tools/reference/camera.h"
+#include "tools/reference/world.h"
 
 namespace brume::test::emission_test {
 namespace {
@@ -109,6 +111,77 @@ TEST_F(EmissionTest, OtherMediaDoToo) {
         }
         EXPECT_LE(off, 2e-5) << one->render.method;
         EXPECT_LT(through, 0.7) << one->render.method;
+    }
+}
+
+// --- with fluxes, what is emitted scatters in the medium
+
+Scene among(std::vector<Point> points) {
+    Scene scene = sceneOf(points, 1.6f);
+    scene.lights.clear();
+    scene.render.method = "slabs";
+    scene.render.rate = 1;
+    scene.render.slabs = 64;
+    scene.render.scattering = "propagation";
+    return scene;
+}
+
+// Of one temperature with the sky, a medium that absorbs is as little seen as one that scatters all.
+TEST_F(EmissionTest, AnEvenTemperatureStaysAsItIsInTheFluxes) {
+    for (const float sigma_t : {0.05f, 0.5f, 5.0f}) {
+        std::vector<Point> points = randomPoints(60, 4, 6, sigma_t);
+        for (Point& p : points) p.albedo = {0.25f, 0.5f, 0.9f};
+        Scene scene = among(points);
+        scene.sky.zenith = scene.sky.horizon = scene.medium.emission = {1, 2, 3};
+        scene.sky.lights = true;
+        const Picture picture = render(device(), scene, lookAt({3, 2, 11}, {0, 0, 0}, 0.7f), 48, 27);
+        double off = 0;
+        for (const glm::vec4& pixel : picture.pixels)
+            for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(double(pixel[c]) / (1 + c) - 1));
+        std::printf("even temperature, extinction %g: %.1e\n", double(sigma_t), off);
+        EXPECT_LT(off, 1e-4) << sigma_t;
+    }
+}
+
+// Soot in the middle of smoke lights it: beside random paths, which know all orders of scattering.
+TEST_F(EmissionTest, SootLightsSmokeAsRandomPathsDo) {
+    struct Case {
+        const char* name;
+        float sigma_t;
+        double rmse; // allowed: one and a half times the measured one
+        float sun = 0;
+    };
+    for (const Case& c : {Case{"thin smoke", 0.05f, 0.042}, Case{"smoke", 0.3f, 0.032},
+                          Case{"dense smoke", 1.5f, 0.081}, Case{"dark soot in sunlit smoke", 0.3f, 0.036, 10}}) {
+        std::vector<Point> points = randomPoints(80, 5, 5, c.sigma_t);
+        for (Point& p : points)
+            p.albedo = glm::length(p.centre - glm::vec3(1, 0, 0)) < 1.8f ? glm::vec3(0.1f) : glm::vec3(1, 0.9f, 0.8f);
+        Scene scene = among(points);
+        if (c.sun > 0)
+            scene.lights = {{.irradiance = glm::vec3(c.sun)}};
+        else
+            scene.medium.emission = {9, 4, 1};
+        const Pose from = lookAt({3, 2, 11}, {0, 0, 0}, 0.7f);
+        const Simulation simulation(scene);
+        std::vector<gpu::Particle> particles(simulation.liveCount());
+        simulation.write(particles);
+        const reference::TrackedPicture truth =
+            truePaths(reference::worldOf(scene, particles), reference::perspective(from, 48, 27), 96);
+        const auto errorOf = [&](const Picture& picture) {
+            double errors = 0, noise = 0, squares = 0;
+            for (size_t i = 0; i < truth.radiance.size(); ++i) {
+                const glm::dvec3 off = glm::dvec3(picture.pixels[i]) - truth.radiance[i];
+                errors += glm::dot(off, off), squares += glm::dot(truth.radiance[i], truth.radiance[i]);
+                noise += glm::dot(truth.standard_error[i], truth.standard_error[i]);
+            }
+            return std::sqrt(std::max(errors - noise, 0.0) / squares);
+        };
+        const double fluxes = errorOf(render(device(), scene, from, 48, 27));
+        scene.render.scattering = "single";
+        const double single = errorOf(render(device(), scene, from, 48, 27));
+        std::printf("%s: fluxes err by %.1f %%, single scattering by %.1f %%\n", c.name, 100 * fluxes, 100 * single);
+        EXPECT_LT(fluxes, c.rmse) << c.name;
+        EXPECT_LT(5 * fluxes, single) << c.name;
     }
 }
 

@@ -143,7 +143,10 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
         scene.render.method = "slabs", scene.render.rate = 4, scene.render.slabs = 16;
         scene.render.scattering = "propagation";
         scene.planes = {{.height = -20, .albedo = glm::vec3(0.5f)}};
-        if (coloured) scene.medium.albedo = {0.9f, 0.8f, 0.7f}, scene.medium.extinction_colour = {1, 0.5f, 0.2f};
+        if (coloured) {
+            scene.medium.albedo = {0.9f, 0.8f, 0.7f}, scene.medium.extinction_colour = {1, 0.5f, 0.2f};
+            scene.medium.emission = glm::vec3(1);
+        }
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());
         simulation.write(particles);
@@ -156,7 +159,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
             waitFor(submission_.commands);
             const auto hues = uint32_t(huesOf(simulation.now(), simulation.liveCount()).size());
             EXPECT_EQ(hues, coloured ? 3u : 1u);
-            predicted = propagationMemory(tickOf(scene, particles).multiple, hues);
+            predicted = propagationMemory(tickOf(scene, particles), true, hues);
             used = device().memoryInUse();
             if (used_before > 0) {
                 EXPECT_NEAR(double(used - used_before), double(predicted - predicted_before), 64 << 10) << cells;
@@ -165,7 +168,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
         EXPECT_GT(predicted, coloured ? 140u << 20 : 17u << 20);
     }
     Scene single = loadScene("server/scenes/cloud.toml");
-    EXPECT_EQ(propagationMemory(tickOf(single, {}).multiple, 1), 0u);
+    EXPECT_EQ(propagationMemory(tickOf(single, {}), true, 1), 0u);
 }
 
 // The same pictures again and again: nothing is allocated.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "server/effects/propagation/cell_matter.h"
 #include "shaders/shared/multiple.h"
 
 namespace brume {
@@ -11,17 +12,19 @@ inline constexpr uint32_t kFluxes = 6; // that pass each cell
 
 struct FluxSizes {
     // Bytes of the buffers; the image is as large as `fluence`.
-    uint64_t cells = 0, fluxes = 0, fluence = 0, surfaces = 0;
-    uint64_t all() const { return cells + fluxes + 2 * fluence + surfaces; }
+    uint64_t cells = 0, fluxes = 0, fluence = 0, surfaces = 0, matter = 0;
+    uint64_t ofHue() const { return cells + fluxes + 2 * fluence + surfaces; }
 };
 
-// `side`: cells along each side of the finest grid.
-inline FluxSizes fluxSizes(uint32_t side, uint32_t channels) {
+// `side`: cells along each side of the finest grid. `matter`: true where cells have their own (cell_matter.h), which
+// all hues share.
+inline FluxSizes fluxSizes(uint32_t side, uint32_t channels, bool matter) {
     const auto cellsOf = [](uint64_t n) { return n * n * n; };
     uint64_t count = 0; // of the cells of all grids
     for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
-    return {count * (1 + 2 * channels) * sizeof(float), count * channels * kFluxes * sizeof(float),
-            cellsOf(side) * channels * 4 * sizeof(float), cellsOf(side / 2) * channels * 5 * sizeof(float)};
+    return {count * (1 + (matter ? 3 : 2) * channels) * sizeof(float), count * channels * kFluxes * sizeof(float),
+            cellsOf(side) * channels * 4 * sizeof(float), cellsOf(side / 2) * channels * 5 * sizeof(float),
+            matter ? cellsOf(side) * sizeof(CellMatter) : 0};
 }
 
 } // namespace brume

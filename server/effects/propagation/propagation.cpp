@@ -31,8 +31,8 @@ uint32_t cellsOf(uint32_t side) { return side * side * side; }
 
 // The tick without what the fluxes do not depend on: gpu::Multiple has the irradiance and the sky that they have.
 gpu::Tick unlit(gpu::Tick tick) {
-    tick.sun.irradiance = tick.ambient = tick.emission = tick.cold_albedo = glm::vec3(0);
-    tick.sky_zenith = tick.sky_horizon = tick.multiple.irradiance = glm::vec3(0);
+    tick.sun.irradiance = tick.ambient = tick.sky_zenith = tick.sky_horizon = glm::vec3(0);
+    tick.multiple.irradiance = glm::vec3(0);
     tick.haze = 0;
     tick.local_light_count = 0;
     for (gpu::Fog& fog : tick.fogs) fog.emission = glm::vec3(0);
@@ -59,7 +59,8 @@ bool Propagation::Key::operator==(const Key& other) const {
            propagation == other.propagation && versions == other.versions && features == other.features;
 }
 
-void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all) {
+void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all,
+                         const gpu::Buffer* matter) {
     const gpu::Multiple& multiple = tick.tick->multiple;
     const PropagationSettings& settings = tick.settings->propagation;
     Key key{unlit(*tick.tick), settings, versionsOf(tick, all), tick.features};
@@ -68,6 +69,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const bool surfaces = reflects(settings) && (tick.tick->plane_count > 0 || tick.reflecting_count > 0);
     gpu::Constants constants = constantsOf(tick.features);
     constants.push_back({gpu::kIdOwnLight, multiple.own});
+    constants.push_back({gpu::kIdCellMatter, matter != nullptr});
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
@@ -77,7 +79,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const auto make = [&](gpu::Buffer& buffer, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {
         buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
     };
-    const FluxSizes sizes = fluxSizes(side, channels);
+    const FluxSizes sizes = fluxSizes(side, channels, matter != nullptr);
     make(cells_, sizes.cells, 0, "cells of fluxes");
     make(fluxes_, sizes.fluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
     make(fluence_, sizes.fluence, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
@@ -91,6 +93,7 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     resources.give(storageBuffer("FluxesBlock", fluxes_));
     resources.give(storageBuffer("Fluence", fluence_));
     if (surfaces) resources.give(storageBuffer("Surfaces", surfaces_));
+    resources.give(storageBuffer("Matter", matter ? *matter : fluence_)); // without it it is not read
     const auto run = [&](gpu::Variants& program, const Push& push, uint32_t lanes) {
         program.with(constants).bind(commands, resources, {}, push);
         vkCmdDispatch(cmd, gpu::groups(lanes, kLanes), 1, 1);

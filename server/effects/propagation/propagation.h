@@ -1,8 +1,8 @@
 // Propagation: light of the sun that scatters more than once, once per tick and hue for all viewers. Six fluxes pass
 // cells of the bounds of the volumetric shadow map (shaders/shared/multiple.h), on three grids: what a coarse one has
 // is where the next finer one begins. Each tick begins with no light, so that a picture depends on nothing before it.
-// What planes, boxes and spheres reflect of the sun's light is light of the cells, too. With own light, as the sky's,
-// it enters at their outer faces, and all is absolute (gpu::Multiple::own).
+// What planes, boxes and spheres reflect of the sun's light is light of the cells, too. With own light
+// all is absolute (gpu::Multiple::own): the sky's enters at their outer faces, and particles emit some.
 #pragma once
 
 #include "server/effects/made_for.h"
@@ -18,8 +18,9 @@ public:
     explicit Propagation(const gpu::Device& device);
 
     // Records the fluence of the medium whose depths are in shadow_volume, with the extinction of the TickBlock of
-    // `all`, unless the image holds it already. Precondition: tick.tick->multiple.cells > 0.
-    void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all);
+    // `all`, unless the image holds it already. `matter`: CellMatter of every cell; null: all are alike, and emit
+    // nothing. Precondition: tick.tick->multiple.cells > 0.
+    void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all, const gpu::Buffer* matter);
     const gpu::Image& image() const { return image_; } // RGBA32F array: net flux and fluence, [channel][z]
     // Frees its memory. Precondition: nothing of it is on the device.
     void giveBack() { made_for_.forget(), cells_ = {}, fluxes_ = {}, fluence_ = {}, surfaces_ = {}, image_ = {}; }

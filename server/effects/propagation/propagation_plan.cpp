@@ -9,8 +9,11 @@
 
 namespace brume {
 
-uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues) {
-    return multiple.cells > 0 ? hues * fluxSizes(multiple.cells, multiple.channels).all() : 0;
+uint64_t propagationMemory(const gpu::Tick& tick, bool one_albedo, uint32_t hues) {
+    const gpu::Multiple& multiple = tick.multiple;
+    if (multiple.cells == 0) return 0;
+    const FluxSizes sizes = fluxSizes(multiple.cells, multiple.channels, hasCellMatter(tick, one_albedo));
+    return hues * sizes.ofHue() + sizes.matter;
 }
 
 namespace effects::propagation {

@@ -12,6 +12,6 @@ inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
 } // namespace costs
 
 // Bytes on the device for scattering = "propagation"; 0 without it. `hues`: huesOf().
-uint64_t propagationMemory(const gpu::Multiple& multiple, uint32_t hues);
+uint64_t propagationMemory(const gpu::Tick& tick, bool one_albedo, uint32_t hues);
 
 } // namespace brume
