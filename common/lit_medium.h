@@ -31,9 +31,9 @@ struct Medium {
     std::vector<Hue> hues{Hue{}};
     glm::dvec3 to_light{0, 1, 0}, irradiance{0}, ambient{0};
     glm::dvec3 emission{0}, cold_albedo{1}; // coldAlbedo() in common/scene.h
-    glm::dvec4 phase{0};      // numbers of phaseOfLobes()
-    bool scatters_on = false; // True: there is light that scattered more than once
-    glm::dvec3 straight{1};   // part of the extinction that dims light which scatters straight on, too
+    glm::dvec4 phase{0};                    // numbers of phaseOfLobes()
+    bool scatters_on = false;               // True: there is light that scattered more than once
+    glm::dvec3 straight{1};                 // part of the extinction that dims light which scatters straight on, too
     double mean_cosine = 0;
 };
 

@@ -48,7 +48,10 @@ void Compose::recordEveryPixel(gpu::Commands& commands, const ViewGroup& group) 
     const EyeInputs& in = *group.any;
     const bool drawn = !group.field;
     SceneFeatures features = in.shared->features;
-    if (drawn) features.lobe = features.fog = features.glow = features.local_lights = features.glass = features.emission = false;
+    if (drawn) {
+        features.lobe = features.fog = features.glow = features.emission = false;
+        features.local_lights = features.glass = false;
+    }
     gpu::computeToCompute(cmd);
     const uint32_t rate = drawn ? 8 : group.rate, blocks = drawn ? 1 : blocksOf(features, rate);
     const gpu::Program& program =

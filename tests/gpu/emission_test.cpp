@@ -116,7 +116,7 @@ TEST_F(EmissionTest, OtherMediaDoToo) {
 
 // --- with fluxes, what is emitted scatters in the medium
 
-Scene among(std::vector<Point> points) {
+Scene among(const std::vector<Point>& points) {
     Scene scene = sceneOf(points, 1.6f);
     scene.lights.clear();
     scene.render.method = "slabs";

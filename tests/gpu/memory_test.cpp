@@ -54,7 +54,7 @@ TEST_F(MemoryTest, AWidePictureAndAHighOneTakeTheMemoryOfOne) {
     EXPECT_LE(device().memoryInUse(), of_wide + (64 << 10));
     const EyeRequest both[] = {wide, high, wide};
     draw(both);
-    EXPECT_LE(device().memoryInUse(), of_wide + 3 * 2 * 1920 * 64 * 3); // the planes of two more
+    EXPECT_LE(device().memoryInUse(), of_wide + 3ull * 2 * 1920 * 64 * 3); // the planes of two more
 }
 
 // Targets share memory, and a picture is the same whatever was drawn there before it.
@@ -94,7 +94,7 @@ TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
     const uint64_t before = device().memoryInUse();
     draw({&large, 1});
     EXPECT_GE(renderer_.pictureBytes(), Renderer::pictureBytes({&large, 1}, false, {}));
-    EXPECT_GT(device().memoryInUse(), before + 960 * 540 * 20);
+    EXPECT_GT(device().memoryInUse(), before + 960ull * 540 * 20);
     renderer_.giveBack();
     submission_.giveBack();
     EXPECT_EQ(renderer_.pictureBytes(), 0u);

@@ -53,21 +53,22 @@ TEST_P(ShippedScene, LoadsAndHoldsItsMedium) {
         EXPECT_NEAR(depthAlong(simulation, middle, axis), depth, 0.3);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, ShippedScene,
-    testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4}, Shipped{"cloud-65535", 65535, 4},
-                    Shipped{"tubes", 0, 0}, Shipped{"tubes-union", 0, 0}, Shipped{"props", 0, 0},
-                    Shipped{"cumulus", 0, 0}, Shipped{"plume", 0, 0}, Shipped{"morning", 0, 0}, Shipped{"lamp", 0, 0},
-                    Shipped{"stage", 0, 0}, Shipped{"courtyard", 0, 0}, Shipped{"dusk", 0, 0},
-                    Shipped{"dusty-room", 0, 0}, Shipped{"islands", 0, 0}, Shipped{"smoke-spots", 0, 0},
-                    Shipped{"street", 0, 0}, Shipped{"atrium-mesh", 0, 0}, Shipped{"flythrough", 0, 0},
-                    Shipped{"glass", 0, 0}, Shipped{"cube-and-sphere", 0, 0}, Shipped{"tetrahedra", 0, 0},
-                    Shipped{"flame", 0, 0}),
-    [](const auto& scene) {
-        std::string name = scene.param.name;
-        std::erase(name, '-');
-        return name;
-    });
+INSTANTIATE_TEST_SUITE_P(All, ShippedScene,
+                         testing::Values(Shipped{"cloud", 500, 3}, Shipped{"cloud-5000", 5000, 4},
+                                         Shipped{"cloud-65535", 65535, 4}, Shipped{"tubes", 0, 0},
+                                         Shipped{"tubes-union", 0, 0}, Shipped{"props", 0, 0}, Shipped{"cumulus", 0, 0},
+                                         Shipped{"plume", 0, 0}, Shipped{"morning", 0, 0}, Shipped{"lamp", 0, 0},
+                                         Shipped{"stage", 0, 0}, Shipped{"courtyard", 0, 0}, Shipped{"dusk", 0, 0},
+                                         Shipped{"dusty-room", 0, 0}, Shipped{"islands", 0, 0},
+                                         Shipped{"smoke-spots", 0, 0}, Shipped{"street", 0, 0},
+                                         Shipped{"atrium-mesh", 0, 0}, Shipped{"flythrough", 0, 0},
+                                         Shipped{"glass", 0, 0}, Shipped{"cube-and-sphere", 0, 0},
+                                         Shipped{"tetrahedra", 0, 0}, Shipped{"flame", 0, 0}),
+                         [](const auto& scene) {
+                             std::string name = scene.param.name;
+                             std::erase(name, '-');
+                             return name;
+                         });
 
 std::set<std::string> shippedScenes() {
     std::set<std::string> names;

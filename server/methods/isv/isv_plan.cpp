@@ -10,7 +10,7 @@ constexpr CostInfo kMedium{"isv", "medium", 22}; // fragments x (1 + steps)
 constexpr const CostInfo* kCosts[] = {&costs::kOrder, &kMedium};
 constexpr double kTetrahedronOfDisc = 0.37; // what a tetrahedron covers of the sphere around it, on average
 
-constexpr double kLamp = 3.3; // what a lamp in whose range all pixels are adds to the time, as a part of it
+constexpr double kLamp = 3.3;        // what a lamp in whose range all pixels are adds to the time, as a part of it
 constexpr double kSoftShadows = 4.3; // times as long with 25 texels of the casters' map as with one, on a CPU driver
 
 // True: its number of steps counts.
