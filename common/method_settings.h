@@ -164,6 +164,9 @@ inline constexpr SceneSetting kMethodSettings[]{
      "With scattering = \"propagation\": parts along each side of a plane, box or sphere that sends the sun's light "
      "into the medium; 0: none does",
      kOperators},
+    {"render.propagation.onto_surfaces", at<&P::render, &R::propagation, &PropagationSettings::onto_surfaces>, "",
+     kNone, "With scattering = \"propagation\". True: surfaces get the light that the medium scatters and emits",
+     kOperators},
 };
 
 } // namespace brume::setting_rows

@@ -121,6 +121,7 @@ struct PropagationSettings {
     uint32_t iterations = 4; // on the finest of three grids, 1...256; twice and four times as many on the others
     // Along each side of a plane, box or sphere whose reflected sunlight the medium gets, 0...16; 0: it gets none.
     uint32_t surface_parts = 4;
+    bool onto_surfaces = false; // True: surfaces get the light that the medium scatters and emits
 
     bool operator==(const PropagationSettings&) const = default;
 };

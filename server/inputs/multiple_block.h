@@ -22,6 +22,10 @@ inline uint32_t scatteringOf(const gpu::Multiple& multiple) {
                                   : gpu::kScatteringSingle;
 }
 // True: with scattering = "propagation" the medium gets light of surfaces.
+// True: surfaces get the light of the medium's fluxes.
+inline bool lightsSurfaces(const gpu::Tick& tick, const PropagationSettings& settings) {
+    return tick.multiple.cells > 0 && settings.onto_surfaces && tick.opaque_count + tick.triangle_count > 0;
+}
 inline bool reflects(const PropagationSettings& settings) { return settings.surface_parts > 0; }
 inline uint32_t scatteringOf(const RenderSettings& settings) {
     return settings.scattering == "octaves"       ? gpu::kScatteringOctaves

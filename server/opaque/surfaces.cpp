@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/inputs/constants.h"
+#include "server/inputs/multiple_block.h"
 #include "shaders/background_comp.h"
 #include "shaders/background_frag.h"
 #include "shaders/background_vert.h"
@@ -90,12 +91,14 @@ void Surfaces::record(gpu::Commands& commands, const EyeInputs& in) {
         gpu::storageBuffer("Particles", *in.shared->particles)}; // all particles, also for eyes with fewer
     const auto compiled = [&](uint32_t count) { return many ? std::min(count, 1u) : count; };
     const gpu::Program& program =
-        program_.with(constantsOf(in.shared->features), {{gpu::kIdPlanes, objects_.planes},
-                                                         {gpu::kIdBoxes, compiled(objects_.boxes)},
-                                                         {gpu::kIdSpheres, compiled(objects_.spheres)},
-                                                         {gpu::kIdManyObjects, many},
-                                                         {gpu::kIdHasStructure, objects_.structure},
-                                                         {gpu::kIdHasMeshes, meshes_}});
+        program_.with(constantsOf(in.shared->features),
+                      {{gpu::kIdPlanes, objects_.planes},
+                       {gpu::kIdBoxes, compiled(objects_.boxes)},
+                       {gpu::kIdSpheres, compiled(objects_.spheres)},
+                       {gpu::kIdManyObjects, many},
+                       {gpu::kIdHasStructure, objects_.structure},
+                       {gpu::kIdHasMeshes, meshes_},
+                       {gpu::kIdMediumGlow, lightsSurfaces(*in.shared->tick, in.shared->settings->propagation)}});
     if (by_draw_) {
         gpu::beginDrawing(cmd, in.size, {&in.target->radiance, &in.target->view_depth});
         program.bind(commands, in.resources, own, {});

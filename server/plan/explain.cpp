@@ -89,7 +89,8 @@ std::string explain(const Plan& plan, const PlanInputs& inputs, const CostModel&
     const ParticleMemory memory = particleMemory(inputs.scene.particles);
     out += fmt::format("memory      of the particles at most {:.1f} MiB of the CPU's, {:.1f} MiB of the device's\n",
                        double(memory.cpu) / (1 << 20), double(memory.device) / (1 << 20));
-    if (const uint64_t bytes = propagationMemory(inputs.scene.tick, inputs.scene.extent.one_albedo, inputs.scene.hues))
+    if (const uint64_t bytes =
+            propagationMemory(inputs.scene.tick, wanted.propagation, inputs.scene.extent.one_albedo, inputs.scene.hues))
         out += fmt::format("memory      of propagation {:.1f} MiB of the device's\n", double(bytes) / (1 << 20));
     const bool outside = !plan.within && plan.chosen.predicted;
     out += fmt::format("plan        {}{}\n", wayText(s),

@@ -29,6 +29,7 @@ const bool kHasBodies = kBoxes + kSpheres > 0;
 #include "shaders/lib/objects.glsl"
 #include "shaders/lib/object_bins.glsl"
 #include "shaders/lib/light.glsl"
+#include "shaders/lib/medium_glow.glsl"
 #include "shaders/lib/fog.glsl"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/sky.glsl"
@@ -172,6 +173,7 @@ vec3 lit(Hit hit, vec3 x) {
     if (kHasFog && direct > 0) direct *= exp(-fogTowardSun(x));
     vec3 light = skyLight(n) + tick.sun.irradiance * direct;
     if (kHasLocalLights) light += localIrradiance(hit, x) / 3.14159265;
+    if (kMediumGlow) light += mediumIrradiance(x, n) / 3.14159265;
     return hit.albedo * light;
 }
 

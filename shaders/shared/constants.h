@@ -51,6 +51,7 @@ const uint kReturnSum = 0u, kReturnFixed = 1u, kReturnNone = 2u;
 // Light that scatters more than once.
 const uint kIdOwnLight = 53u;   // bool: Multiple::own (types.h)
 const uint kIdCellMatter = 54u; // bool: cells have their own albedo, and what they emit
+const uint kIdMediumGlow = 55u; // bool: surfaces get the medium's light
 
 // The volumetric shadow map.
 const uint kIdFronts = 52u; // bool: a particle's whole optical depth counts from the plane behind its front on

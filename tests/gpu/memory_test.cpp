@@ -146,6 +146,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
         if (coloured) {
             scene.medium.albedo = {0.9f, 0.8f, 0.7f}, scene.medium.extinction_colour = {1, 0.5f, 0.2f};
             scene.medium.emission = glm::vec3(1);
+            scene.render.propagation.onto_surfaces = true;
         }
         const Simulation simulation(scene);
         std::vector<gpu::Particle> particles(simulation.liveCount());
@@ -159,7 +160,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
             waitFor(submission_.commands);
             const auto hues = uint32_t(huesOf(simulation.now(), simulation.liveCount()).size());
             EXPECT_EQ(hues, coloured ? 3u : 1u);
-            predicted = propagationMemory(tickOf(scene, particles), true, hues);
+            predicted = propagationMemory(tickOf(scene, particles), scene.render.propagation, true, hues);
             used = device().memoryInUse();
             if (used_before > 0) {
                 EXPECT_NEAR(double(used - used_before), double(predicted - predicted_before), 64 << 10) << cells;
@@ -168,7 +169,7 @@ TEST_F(MemoryTest, PropagationTakesWhatIsPredicted) {
         EXPECT_GT(predicted, coloured ? 140u << 20 : 17u << 20);
     }
     Scene single = loadScene("server/scenes/cloud.toml");
-    EXPECT_EQ(propagationMemory(tickOf(single, {}), true, 1), 0u);
+    EXPECT_EQ(propagationMemory(tickOf(single, {}), single.render.propagation, true, 1), 0u);
 }
 
 // The same pictures again and again: nothing is allocated.

@@ -84,7 +84,8 @@ void Numbers::add(const std::vector<Element>& list) {
 
 void Numbers::add(const World& world) {
     const auto& [blobs, axes, support, cut_light, composition, balls, tetrahedra, voxels, fogs, lights, obstacles,
-                 sheets, zenith, horizon, haze, ambient, emission, cold_albedo, phase, colour, sky_lights] = world;
+                 sheets, zenith, horizon, haze, ambient, emission, cold_albedo, phase, colour, sky_lights,
+                 onto_surfaces] = world;
     add(blobs), add(double(support)), add(double(cut_light)), add(double(composition)), add(balls), add(fogs);
     add(lights), add(obstacles), add(zenith), add(horizon), add(haze), add(ambient), add(phase);
     if (colour != glm::dvec3(1)) add(colour);
@@ -94,6 +95,7 @@ void Numbers::add(const World& world) {
     if (voxels.volume) add(voxels);
     if (!tetrahedra.cells.empty()) add(tetrahedra);
     if (sky_lights) add(1.0);
+    if (onto_surfaces) add(2.0);
 }
 
 void Numbers::add(const Camera& camera) {

@@ -37,6 +37,7 @@ public:
     // Radiance along one path back from the ray.
     glm::dvec3 path(Ray ray, Random& random) {
         glm::dvec3 radiance(0), weight(1);
+        bool from_surface = false; // True: the ray begins on a surface that the camera sees
         for (int order = 0;; ++order) {
             const Hit hit = lighting_.obstacles().nearest(ray);
             ray.end = std::min(ray.end, hit.t);
@@ -48,15 +49,23 @@ public:
                 for (const SheetHit& sheet : sheets_) radiance += weight * sheet.mirrored, weight *= sheet.passes;
             }
             if (!(collision.t < ray.end)) {
+                if (from_surface) return radiance; // of the rest its shading knows
                 if (hit.object >= 0) {
                     const glm::dvec3 surface = lighting_.surface(hit, ray);
                     radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t, ray.direction) : surface);
+                    if (order > 0 || !world_.onto_surfaces) return radiance;
+                    weight *= std::exp(-world_.haze * hit.t) *
+                              albedoAt(world_.obstacles[static_cast<size_t>(hit.object)], ray, hit.t);
+                    ray = {ray.at(hit.t) + 1e-7 * hit.normal, byCosine(hit.normal, random)};
+                    from_surface = true;
+                    continue;
                 } else {
                     if (order > 0) radiance += weight * world_.ambient;
                     if (order == 0 || world_.sky_lights) radiance += weight * skyRadiance(world_, ray.direction);
                 }
                 return radiance;
             }
+            from_surface = false;
             radiance += weight * collision.emitted;
             if (order == orders_) return radiance;
             weight *= collision.albedo;
@@ -129,6 +138,20 @@ private:
         return through;
     }
 
+    // A direction above a surface, by the cosine to its normal.
+    static glm::dvec3 byCosine(glm::dvec3 normal, Random& random) {
+        const double cosine = std::sqrt(1 - random.uniform());
+        return around(normal, cosine, random);
+    }
+
+    // A direction of this cosine to the unit `axis`.
+    static glm::dvec3 around(glm::dvec3 axis, double cosine, Random& random) {
+        const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * kPi * random.uniform();
+        const glm::dvec3 x =
+            glm::normalize(glm::cross(axis, std::abs(axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
+        return glm::normalize(cosine * axis + sine * (std::cos(turn) * x + std::sin(turn) * glm::cross(axis, x)));
+    }
+
     // A direction by the phase function: paths run backwards, which leaves the angle between the directions as it is.
     static glm::dvec3 scatteredFrom(glm::dvec3 w, const PhaseLobes& phase, Random& random) {
         const auto& [part, asymmetry, draine, second] = phase;
@@ -143,10 +166,7 @@ private:
                 cosine = (1 + g * g - s * s) / (2 * g);
             }
         } while (alpha > 0 && random.uniform() * (1 + alpha) > 1 + alpha * cosine * cosine);
-        const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0)), turn = 2 * kPi * random.uniform();
-        const glm::dvec3 x =
-            glm::normalize(glm::cross(w, std::abs(w.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0)));
-        return glm::normalize(cosine * w + sine * (std::cos(turn) * x + std::sin(turn) * glm::cross(w, x)));
+        return around(w, cosine, random);
     }
 
     const World& world_;

@@ -26,8 +26,9 @@ struct TrackedPicture {
 
 // Throws std::invalid_argument unless the world's support is full, its composition overlapping and it is not coloured.
 // The camera sees the sky; scattered rays that leave the medium meet World::ambient from all directions, and with
-// World::sky_lights the sky behind. Those that meet an obstacle meet its shading (Lighting::surface). Sheets of glass
-// are on the camera's rays alone.
+// World::sky_lights the sky behind. Those that meet an obstacle meet its shading (Lighting::surface). With
+// World::onto_surfaces what the camera sees of obstacles has the light of the medium, too. Sheets of glass are on the
+// camera's rays alone.
 TrackedPicture track(const World& world, const Camera& camera, const TrackSettings& settings = {});
 
 } // namespace brume::reference

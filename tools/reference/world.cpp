@@ -197,6 +197,7 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     for (int c = 0; c < 3; ++c)
         if (!(world.cold_albedo[c] > 0)) world.emission[c] = 0, world.cold_albedo[c] = 1;
     world.sky_lights = scene.sky.lights;
+    world.onto_surfaces = scene.render.propagation.onto_surfaces;
     world.phase = lobesOf(now.medium);
     world.extinction_colour = extinctionParts(now.medium.extinction_colour);
     return world;

@@ -9,9 +9,12 @@
 #include "shaders/flux_cells_comp.h"
 #include "shaders/flux_coarser_comp.h"
 #include "shaders/flux_finer_comp.h"
+#include "shaders/flux_glow_comp.h"
+#include "shaders/flux_lamps_comp.h"
 #include "shaders/flux_lit_comp.h"
 #include "shaders/flux_pass_comp.h"
 #include "shaders/flux_surfaces_comp.h"
+#include "shaders/shared/glow.h"
 #include "shaders/shared/multiple.h"
 
 namespace brume {
@@ -45,13 +48,15 @@ Propagation::Propagation(const gpu::Device& device)
     : device_(device), first_(device, flux_cells_comp, "flux_cells"),
       coarser_(device, flux_coarser_comp, "flux_coarser"), finer_(device, flux_finer_comp, "flux_finer"),
       pass_(device, flux_pass_comp, "flux_pass"), of_surfaces_(device, flux_surfaces_comp, "flux_surfaces"),
-      lit_(device, flux_lit_comp, "flux_lit") {}
+      lit_(device, flux_lit_comp, "flux_lit"), to_lamps_(device, flux_lamps_comp, "flux_lamps"),
+      to_glow_(device, flux_glow_comp, "flux_glow") {}
 
-void Propagation::makeImage(gpu::Commands& commands, uint32_t side, uint32_t layers) {
-    if (image_ && image_.extent().width == side && image_.layers() == layers) return;
+void Propagation::makeImage(gpu::Commands& commands, gpu::Image& image, uint32_t side, uint32_t layers,
+                            const char* name) {
+    if (image && image.extent().width == side && image.layers() == layers) return;
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    image_ = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {side, side}, usage, layers}, "fluence");
-    gpu::toGeneral(commands.handle(), image_);
+    image = gpu::Image(device_, {VK_FORMAT_R32G32B32A32_SFLOAT, {side, side}, usage, layers}, name);
+    gpu::toGeneral(commands.handle(), image);
 }
 
 bool Propagation::Key::operator==(const Key& other) const {
@@ -73,17 +78,24 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
     const gpu::Commands::Pass timed(commands, "propagation");
     const VkCommandBuffer cmd = commands.handle();
     const uint32_t channels = multiple.channels, side = multiple.cells;
-    makeImage(commands, side, channels * side);
+    const bool onto_surfaces = lightsSurfaces(*tick.tick, settings);
+    makeImage(commands, image_, side, channels * side, "fluence");
+    if (onto_surfaces) makeImage(commands, glow_image_, gpu::kGlowSide, channels * gpu::kGlowSide, "glow");
     uint32_t count = 0; // of the cells of all grids
     for (uint32_t level = 0; level < gpu::kFluxLevels; ++level) count += cellsOf(side >> level);
     const auto make = [&](gpu::Buffer& buffer, VkDeviceSize bytes, VkBufferUsageFlags usage, const char* name) {
         buffer.atLeast(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage, gpu::Memory::device, name);
     };
-    const FluxSizes sizes = fluxSizes(side, channels, matter != nullptr);
+    const FluxSizes sizes = fluxSizes(side, channels, matter != nullptr, onto_surfaces);
     make(cells_, sizes.cells, 0, "cells of fluxes");
     make(fluxes_, sizes.fluxes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "fluxes");
     make(fluence_, sizes.fluence, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "fluence of cells");
     if (surfaces) make(surfaces_, sizes.surfaces, 0, "light of surfaces");
+    if (onto_surfaces) {
+        make(lamps_, sizes.lamps, 0, "lamps of the medium");
+        make(direct_, sizes.direct, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "direct light of surfaces");
+        make(glow_, sizes.glow, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "glow of the medium");
+    }
 
     gpu::everythingBefore(cmd); // the last tick's viewers have read it
     vkCmdFillBuffer(cmd, fluxes_.handle(), 0, VK_WHOLE_SIZE, 0);
@@ -108,6 +120,12 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
         run(of_surfaces_, push, cellsOf(push.side));
         push.side = side, push.first = 0;
         run(lit_, push, cellsOf(side));
+        if (onto_surfaces) {
+            gpu::computeToTransfer(cmd);
+            const VkBufferCopy all_of_it{.size = sizes.fluence};
+            vkCmdCopyBuffer(cmd, fluence_.handle(), direct_.handle(), 1, &all_of_it);
+            gpu::everythingBefore(cmd);
+        }
     }
     for (uint32_t level = 1; level < gpu::kFluxLevels; ++level) {
         next();
@@ -130,11 +148,22 @@ void Propagation::record(gpu::Commands& commands, const TickInputs& tick, const 
             gpu::computeToCompute(cmd);
         }
     }
+    if (onto_surfaces) {
+        resources.give(storageBuffer("Lamps", lamps_));
+        resources.give(storageBuffer("Direct", direct_));
+        resources.give(storageBuffer("Glow", glow_));
+        run(to_lamps_, push, gpu::kLamps * kLanes);
+        run(to_glow_, push, cellsOf(gpu::kGlowSide));
+    }
     gpu::computeToTransfer(cmd);
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, image_.layers()};
-    copy.imageExtent = {side, side, 1};
-    vkCmdCopyBufferToImage(cmd, fluence_.handle(), image_.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+    const auto copy = [&](const gpu::Buffer& from, const gpu::Image& to) {
+        VkBufferImageCopy whole{};
+        whole.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, to.layers()};
+        whole.imageExtent = {to.extent().width, to.extent().height, 1};
+        vkCmdCopyBufferToImage(cmd, from.handle(), to.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &whole);
+    };
+    copy(fluence_, image_);
+    if (onto_surfaces) copy(glow_, glow_image_);
     gpu::everythingBefore(cmd);
 }
 

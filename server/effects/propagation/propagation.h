@@ -22,16 +22,22 @@ public:
     // nothing. Precondition: tick.tick->multiple.cells > 0.
     void record(gpu::Commands& commands, const TickInputs& tick, const MediumView& all, const gpu::Buffer* matter);
     const gpu::Image& image() const { return image_; } // RGBA32F array: net flux and fluence, [channel][z]
+    // The same of the light that surfaces around the medium get, where lightsSurfaces(): lib/medium_glow.glsl.
+    const gpu::Image& glow() const { return glow_image_; }
     // Frees its memory. Precondition: nothing of it is on the device.
-    void giveBack() { made_for_.forget(), cells_ = {}, fluxes_ = {}, fluence_ = {}, surfaces_ = {}, image_ = {}; }
+    void giveBack() {
+        made_for_.forget(), cells_ = {}, fluxes_ = {}, fluence_ = {}, surfaces_ = {}, lamps_ = {}, direct_ = {},
+                            glow_ = {};
+        image_ = {}, glow_image_ = {};
+    }
 
 private:
-    void makeImage(gpu::Commands& commands, uint32_t side, uint32_t layers);
+    void makeImage(gpu::Commands& commands, gpu::Image& image, uint32_t side, uint32_t layers, const char* name);
 
     const gpu::Device& device_;
-    gpu::Variants first_, coarser_, finer_, pass_, of_surfaces_, lit_;
-    gpu::Buffer cells_, fluxes_, fluence_, surfaces_;
-    gpu::Image image_;
+    gpu::Variants first_, coarser_, finer_, pass_, of_surfaces_, lit_, to_lamps_, to_glow_;
+    gpu::Buffer cells_, fluxes_, fluence_, surfaces_, lamps_, direct_, glow_;
+    gpu::Image image_, glow_image_;
     struct Key {
         gpu::Tick tick{}; // without what the fluxes do not depend on
         PropagationSettings propagation;

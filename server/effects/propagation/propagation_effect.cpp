@@ -8,6 +8,7 @@
 #include "server/effects/propagation/cell_matter.h"
 #include "server/effects/propagation/flux_sizes.h"
 #include "server/effects/propagation/propagation.h"
+#include "server/inputs/multiple_block.h"
 
 namespace brume::effects::propagation {
 namespace {
@@ -25,7 +26,7 @@ public:
         const Key key{multiple.cells, tick.tick->map, tick.tick->falloff, tick.tick->emission, tick.tick->cold_albedo};
         if (!in.moved && key == made_for_) return;
         made_for_ = key;
-        const FluxSizes sizes = fluxSizes(multiple.cells, multiple.channels, true);
+        const FluxSizes sizes = fluxSizes(multiple.cells, multiple.channels, true, false);
         matter_.atLeast(device_, sizes.matter, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, gpu::Memory::upload,
                         "matter of cells");
         cellMatter(*tick.tick, in.particles, multiple.cells, sums_,
@@ -38,6 +39,8 @@ public:
         Propagation& hue = hues_[tick.hue];
         hue.record(commands, tick, in.all, has_matter_ ? &matter_ : nullptr);
         tick.resources.give(gpu::sampledImage("fluence", hue.image(), linear_));
+        if (lightsSurfaces(*tick.tick, tick.settings->propagation))
+            tick.resources.give(gpu::sampledImage("glow", hue.glow(), linear_));
     }
     void giveBack() override {
         for (Propagation& hue : hues_) hue.giveBack();

@@ -5,14 +5,16 @@
 
 #include "server/effects/effect_plan.h"
 #include "server/effects/propagation/flux_sizes.h"
+#include "server/inputs/multiple_block.h"
 #include "server/inputs/objects.h"
 
 namespace brume {
 
-uint64_t propagationMemory(const gpu::Tick& tick, bool one_albedo, uint32_t hues) {
+uint64_t propagationMemory(const gpu::Tick& tick, const PropagationSettings& settings, bool one_albedo, uint32_t hues) {
     const gpu::Multiple& multiple = tick.multiple;
     if (multiple.cells == 0) return 0;
-    const FluxSizes sizes = fluxSizes(multiple.cells, multiple.channels, hasCellMatter(tick, one_albedo));
+    const FluxSizes sizes =
+        fluxSizes(multiple.cells, multiple.channels, hasCellMatter(tick, one_albedo), lightsSurfaces(tick, settings));
     return hues * sizes.ofHue() + sizes.matter;
 }
 

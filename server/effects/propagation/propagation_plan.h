@@ -1,6 +1,7 @@
 // Cost and memory of light of the sun that scatters more than once.
 #pragma once
 
+#include "common/render_settings.h"
 #include "server/plan/cost_model.h"
 #include "shaders/shared/types.h"
 
@@ -12,6 +13,6 @@ inline constexpr CostInfo kPropagation{"propagation", "propagation", 75};
 } // namespace costs
 
 // Bytes on the device for scattering = "propagation"; 0 without it. `hues`: huesOf().
-uint64_t propagationMemory(const gpu::Tick& tick, bool one_albedo, uint32_t hues);
+uint64_t propagationMemory(const gpu::Tick& tick, const PropagationSettings& settings, bool one_albedo, uint32_t hues);
 
 } // namespace brume

@@ -18,7 +18,8 @@ public:
         tick.sun_depth_version = version_;
         const gpu::Resource map = gpu::sampledImage("shadow_volume", volume_.image(), linear_);
         tick.resources.give(map);
-        tick.resources.give(map.as("fluence")); // until there is light that scatters on
+        tick.resources.give(map.as("fluence")); // until there is light that scatters on,
+        tick.resources.give(map.as("glow"));    // and falls on surfaces
     }
 
 private:
