@@ -105,7 +105,7 @@ TEST_F(MemoryTest, WhatPicturesTookIsGivenBack) {
 
 // The light of lamps and the sun's shafts are kept for every pixel: these bytes count, and go with the others.
 TEST_F(MemoryTest, LightThatIsKeptForEachPixelCounts) {
-    constexpr uint64_t kPixels = 960 * 540;
+    constexpr uint64_t kPixels = 960ull * 540;
     const EyeRequest large = eyeOf(960, 540);
     uint64_t dark = 0;
     for (const bool lit : {false, true}) {
