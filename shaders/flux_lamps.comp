@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 
 #include "shaders/blocks/tick.glsl"
 layout(scalar) readonly buffer Cells { float cells[]; };
-// Net flux and fluence, [channel][z][y][x]: in the end, and of light that comes straight from surfaces, if they send any.
+// Net flux and fluence, [channel][z][y][x]: all of it, and that of light which comes straight from surfaces.
 layout(scalar) readonly buffer Fluence { vec4 fluence[]; };
 layout(scalar) readonly buffer Direct { vec4 direct[]; };
 
@@ -86,7 +86,7 @@ void main() {
     const vec3 place = all > 0 ? moments[0].xyz / all : middle;
     if (lane < 6) lamps[gl_WorkGroupID.x].through[lane] = all > 0 ? (lane < 3 ? ups[0] : downs[0])[lane % 3] / all : 1;
     if (lane > 0) return;
-    const float cell = dot(size, size) / 12; // of light that is even in a cell
+    const float cell = dot(size, size) / 12; // mean squared distance of even light in a cell from its middle
     lamps[gl_WorkGroupID.x].place = place;
     lamps[gl_WorkGroupID.x].square = (all > 0 ? max(moments[0].w / all - dot(place, place), 0) : 0) + cell;
     lamps[gl_WorkGroupID.x].power = powers[0] * (size.x * size.y * size.z);

@@ -33,7 +33,7 @@ private:
     void cool(const Columns& columns); // sets the albedos of the living particles
 
     Emitter emitter_;
-    glm::vec3 albedo_; // what particles near
+    glm::vec3 albedo_; // the medium's, which those of the particles come to
     std::vector<glm::vec3> albedos_;
     Range scale_, multiplier_;
     uint64_t seed_;

@@ -12,7 +12,7 @@ using uint = uint32_t;
 const uint kLampBlocks = 4u; // blocks of cells along each side of the medium's bounds
 const uint kLamps = kLampBlocks * kLampBlocks * kLampBlocks;
 const uint kGlowSide = 24u;    // nodes along each side of what they cover
-const float kGlowReach = 1.5f; // sizes of the medium's bounds that they reach from its middle; outermost nodes lie there
+const float kGlowReach = 1.5f; // distance of the outermost nodes from the middle, in sizes of the medium's bounds
 #ifdef __cplusplus
 } // namespace brume::gpu
 #endif

@@ -124,7 +124,7 @@ struct Multiple {
     float asymmetry;   // of what is scattered out of the scaled beam, in [-1/3, 1/3]
     vec3 passed;       // part of the extinction that dims the scaled beam, in each channel
     vec3 albedo;       // of what is scattered out of it, in each channel
-    // Own light of the medium, which the sky sends into it, has other colours than the sun's.
+    // Own light of the medium has other colours than the sun's: the sky sends it in, or particles emit it.
     uint own;        // 1: the fluxes have own light, and are absolute; 0: they are for an irradiance of the sun of 1
     vec3 sun;        // W/m^2, the sun's irradiance in the fluxes: with own light its own, else 1
     vec3 irradiance; // that light which scatters again is multiplied by: with own light 1, else the sun's, W/m^2

@@ -55,7 +55,8 @@ export function pack(own: Rows, reference: Rows | undefined): { present: bigint;
 export const SAMPLE: LitParticles = {
   ...{ kind: 'lit', id: 1, tick: 0n, stateHash: 0n, number: 1, reference: 0, first: 0n, count: 0, present: 0 },
   ...{ origin: [0, 0, 0], step: 1, falloff: 1.5, toLight: [0, 1, 0], irradiance: [1, 1, 1], phase: [0, 0, 0, 0] },
-  ...{ ambient: [0, 0, 0], emission: [0, 0, 0], coldAlbedo: [1, 1, 1], hues: [{ channels: 7, extinction: 1 }], straight: [1, 1, 1], meanCosine: 0 },
+  ...{ ambient: [0, 0, 0], emission: [0, 0, 0], coldAlbedo: [1, 1, 1] },
+  ...{ hues: [{ channels: 7, extinction: 1 }], straight: [1, 1, 1], meanCosine: 0 },
   ...{ zenith: [0, 0, 1], horizon: [1, 1, 1], haze: 0, exposure: 1, filmic: false, objects: [], ageMs: 0 },
   bytes: new Uint8Array(0),
 };
