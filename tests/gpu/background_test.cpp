@@ -76,10 +76,15 @@ protected:
         casters.record(commands, all, tick, objects.all());
         volume.record(commands, all, tick);
         all.give(gpu::sampledImage("shadow_volume", volume.image(), linear));
+        all.give(gpu::sampledImage("glow", volume.image(), linear)); // not read: the medium lights no surface
         all.give(gpu::sampledImage("opaque_shadow", casters.image(), nearest));
         target.giveTo(all, nearest);
-        const TickInputs shared{
-            .bodies = tick.opaque_count - tick.plane_count, .particles = &medium, .nearest = &nearest};
+        const RenderSettings settings;
+        const TickInputs shared{.settings = &settings,
+                                .tick = &tick,
+                                .bodies = tick.opaque_count - tick.plane_count,
+                                .particles = &medium,
+                                .nearest = &nearest};
         const EyeInputs in{.shared = &shared, .target = &target, .size = {width, height}, .resources = all};
         surfaces.record(commands, in);
         commands.submit();
