@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/shared/emission.h"
 #include "shaders/shared/multiple.h"
 #include "shaders/shared/phase.h"
 
@@ -43,6 +44,7 @@ public:
     void add(const Crossing& at, const physics::LitSums<double>& from, const physics::LitSums<double>& to,
              Slab& slab) const {
         const Medium::Particle& p = *at.particle;
+        const auto own = physics::emitted<double>(medium_.emission, medium_.cold_albedo, 1, p.albedo);
         for (uint32_t c = 0; c < 3; ++c) {
             const auto line = physics::litLine<double>(p.fits[hues_[c]], at.nearest, direction_);
             const auto part = physics::litPart<double>(at.line, line, from, to);
@@ -56,8 +58,7 @@ public:
                        (phase_ * on +
                         physics::scatteredFluence<double>(f.w, glm::dvec3(f), medium_.mean_cosine, -direction_));
             }
-            const double soot = std::max(1 - p.albedo[c] / medium_.cold_albedo[c], 0.0);
-            slab.lit[c] += p.albedo[c] * lit + soot * medium_.emission[c] * part.depth;
+            slab.lit[c] += p.albedo[c] * lit + own[c] * part.depth;
         }
     }
 

@@ -30,7 +30,7 @@ struct Medium {
     std::vector<Particle> particles;
     std::vector<Hue> hues{Hue{}};
     glm::dvec3 to_light{0, 1, 0}, irradiance{0}, ambient{0};
-    glm::dvec3 emission{0}, cold_albedo{1}; // coldAlbedo() in common/scene.h
+    glm::dvec3 emission{0}, cold_albedo{1}; // physics::emitted()
     glm::dvec4 phase{0};                    // numbers of phaseOfLobes()
     bool scatters_on = false;               // True: there is light that scattered more than once
     glm::dvec3 straight{1};                 // part of the extinction that dims light which scatters straight on, too

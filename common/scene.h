@@ -78,7 +78,7 @@ struct Medium : PhaseSettings {
     float extinction = 15;          // sigma_t at a particle's centre = extinction * multiplier * 1e-4 (1/m)
     Range multiplier{5, 10};        // per particle, uniform
     glm::vec3 albedo{0.9f};         // rho, in [0, 1]
-    glm::vec3 emission{0};          // W/(m^2 sr), of glowing soot: coldAlbedo()
+    glm::vec3 emission{0};          // W/(m^2 sr), of glowing soot: sootOf()
     glm::vec3 cold_albedo{1};       // of a drawing viewer's medium, as the server says; 1 in every other
     glm::vec3 extinction_colour{1}; // in [0, 1]: extinctionParts()
     uint64_t seed = 1;
@@ -97,11 +97,18 @@ struct Medium : PhaseSettings {
     bool loop = true; // True: after the last file comes the first; false: the last one stays. Layout sequence only
 };
 
-// A particle is a mixture of glowing soot, which scatters nothing, and of what is cold, of this albedo. So it emits
-// (1 - albedo / cold) * Medium::emission per optical depth. In an emitter's plume cold smoke has the medium's albedo.
-// Elsewhere that is 1: the more the medium absorbs the more it emits.
-inline glm::vec3 coldAlbedo(const Medium& medium) {
-    return medium.layout == Layout::emitter ? medium.albedo : medium.cold_albedo;
+// Soot of a medium that is a mixture of it and of what is cold: what physics::emitted() takes.
+struct Soot {
+    glm::vec3 emission;    // W/(m^2 sr)
+    glm::vec3 cold_albedo; // above 0
+};
+// In an emitter's plume cold smoke has the medium's albedo. Elsewhere that is 1: the more the medium absorbs the more
+// it emits. A channel whose cold albedo is 0 emits nothing, since soot cannot be told from smoke by its albedo.
+inline Soot sootOf(const Medium& medium) {
+    Soot soot{medium.emission, medium.layout == Layout::emitter ? medium.albedo : medium.cold_albedo};
+    for (int c = 0; c < 3; ++c)
+        if (!(soot.cold_albedo[c] > 0)) soot.emission[c] = 0, soot.cold_albedo[c] = 1;
+    return soot;
 }
 
 // A medium without particles: extinction * e^(-falloff (y - height)) between two heights and within a ball.

@@ -160,10 +160,8 @@ gpu::Tick makeTick(const Scene& scene, const SceneNow& now, std::span<const gpu:
     tick.particle_count = uint32_t(particles.size());
     tick.cut = cutOf(balls, now.render.cutoff, tick.falloff);
     tick.ambient = scene.sky.ambient;
-    tick.emission = now.medium.emission;
-    tick.cold_albedo = coldAlbedo(now.medium);
-    for (int c = 0; c < 3; ++c)
-        if (!(tick.cold_albedo[c] > 0)) tick.emission[c] = 0, tick.cold_albedo[c] = 1; // soot cannot be told from smoke
+    const auto [emission, cold_albedo] = sootOf(now.medium);
+    tick.emission = emission, tick.cold_albedo = cold_albedo;
     tick.sky_zenith = scene.sky.zenith;
     tick.sky_horizon = scene.sky.horizon;
     tick.haze = scene.sky.haze;

@@ -4,12 +4,13 @@
 #define BRUME_EVEN_LIGHT
 #include "shaders/blocks/tick.glsl"
 #include "shaders/lib/has_emission.glsl"
+#include "shaders/shared/emission.h"
 
 // Radiance of what hides `hidden` of all behind it; `scattering`: the same times albedo.
 vec3 evenLight(float hidden, vec3 scattering) {
     vec3 light = vec3(0);
     if (kHasAmbient) light += tick.ambient * scattering;
-    if (kHasEmission) light += max(tick.emission * (hidden - scattering / tick.cold_albedo), 0);
+    if (kHasEmission) light += emitted(tick.emission, tick.cold_albedo, hidden, scattering);
     return light;
 }
 #endif

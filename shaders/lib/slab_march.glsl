@@ -8,6 +8,7 @@
 //   vec4 mediumAt(uint s): the medium's quantities (shared/field.h) at the middle of slab s; asked in this order,
 //     and slab 3 with slab 2, too
 #include "shaders/blocks/tick.glsl"
+#include "shaders/shared/emission.h"
 #include "shaders/shared/scatter.h"
 #include "shaders/lib/eye.glsl"
 #include "shaders/lib/light.glsl"
@@ -163,15 +164,18 @@ void march() {
             }
             if (kMultipleColours == 1) sum[fieldMultiple()] += multiple.x;
             if (kSunColours == 1) sum[kFieldSun] += with_multiple.x;
+            vec3 albedos = grid.albedo;
+            if (kSunColours == 3) {
+                const vec3 scattering = vec3(here[kScattering], here[kScattering + 1], here[kScattering + 2]);
+                albedos = here[kExtinction] > 0 ? min(scattering / here[kExtinction], 1) : vec3(0);
+            }
+            vec3 glow = vec3(0);
+            if (kHasEmission && holdsGlow()) glow = emitted(tick.emission, tick.cold_albedo, 1, albedos);
             for (uint c = 0; c < 3; ++c) {
-                float albedo = grid.albedo[c];
-                if (kSunColours == 3) {
-                    albedo = here[kExtinction] > 0 ? min(here[kScattering + c] / here[kExtinction], 1) : 0;
-                    sum[kFieldSun + c] += albedo * with_multiple[c];
-                }
+                const float albedo = albedos[c];
+                if (kSunColours == 3) sum[kFieldSun + c] += albedo * with_multiple[c];
                 if (kAmbientColours > 0) sum[fieldAmbient() + c] += albedo * ambient;
-                if (kHasEmission && holdsGlow())
-                    sum[fieldGlow() + c] += max(1 - albedo / tick.cold_albedo[c], 0) * tick.emission[c] * ambient;
+                if (kHasEmission && holdsGlow()) sum[fieldGlow() + c] += glow[c] * ambient;
                 if (kLampsOnRays) sum[fieldLamps() + c] += albedo * transmittance * lamps[c];
                 if (kMultipleColours == 3) sum[fieldMultiple() + c] += albedo * multiple[c];
                 if (kHasLocalLights && kSunColours == 3) sum[fieldScattering() + c] += albedo * slab;

@@ -142,7 +142,7 @@ struct Tick {
     Phase phase;
     float cut;    // optical depth that one particle may leave out: total of the setting / particle_count
     vec3 ambient;  // uniform radiance scattered in without shadowing
-    vec3 emission; // W/(m^2 sr); a particle emits (1 - albedo / cold_albedo) * emission per optical depth
+    vec3 emission; // W/(m^2 sr), of particles: emitted() in emission.h
     vec3 cold_albedo;
     uint particle_count;
     uint opaque_count; // number of objects

@@ -192,10 +192,8 @@ World worldOf(const Scene& scene, std::span<const gpu::Particle> particles, cons
     world.sky_horizon = scene.sky.horizon;
     world.haze = double(scene.sky.haze);
     world.ambient = scene.sky.ambient;
-    world.emission = now.medium.emission;
-    world.cold_albedo = coldAlbedo(now.medium);
-    for (int c = 0; c < 3; ++c)
-        if (!(world.cold_albedo[c] > 0)) world.emission[c] = 0, world.cold_albedo[c] = 1;
+    const auto [emission, cold_albedo] = sootOf(now.medium);
+    world.emission = emission, world.cold_albedo = cold_albedo;
     world.sky_lights = scene.sky.lights;
     world.onto_surfaces = scene.render.propagation.onto_surfaces;
     world.phase = lobesOf(now.medium);

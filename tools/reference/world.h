@@ -13,6 +13,7 @@
 #include "common/phase_lobes.h"
 #include "common/scene.h"
 #include "common/volume/volume.h"
+#include "shaders/shared/emission.h"
 #include "shaders/shared/types.h"
 
 namespace brume::reference {
@@ -179,8 +180,7 @@ struct World {
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
-    // Radiance; everything but fogs emits (1 - albedo / cold_albedo) * emission * extinction per metre.
-    glm::dvec3 emission{0}, cold_albedo{1};
+    glm::dvec3 emission{0}, cold_albedo{1}; // emittedBy()
     PhaseLobes phase;                // of everything but fogs, which have their own
     glm::dvec3 extinction_colour{1}; // of everything but fogs: as theirs
     bool sky_lights = false;         // True: what scatters gets the sky's light; only track() draws it
@@ -188,7 +188,7 @@ struct World {
 };
 // Radiance that everything but fogs emits per optical depth, where it has this albedo.
 inline glm::dvec3 emittedBy(const World& world, glm::dvec3 albedo) {
-    return glm::max(1.0 - albedo / world.cold_albedo, 0.0) * world.emission;
+    return physics::emitted<double>(world.emission, world.cold_albedo, 1, albedo);
 }
 // True: the extinction of some medium differs among red, green and blue.
 bool isColoured(const World& world);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "shaders/shared/emission.h"
+
 namespace brume {
 namespace {
 
@@ -48,7 +50,7 @@ void cellMatter(const gpu::Tick& tick, std::span<const gpu::Particle> particles,
     const glm::vec3 size = tick.map.hi - tick.map.lo, per_metre = float(side) / size;
     for (const gpu::Particle& p : particles) {
         const float deviation = kDeviationOfScale * p.scale * tick.falloff;
-        const CellMatter matter{p.albedo, glm::max(1.0f - p.albedo / tick.cold_albedo, 0.0f) * tick.emission};
+        const CellMatter matter{p.albedo, physics::emitted<float>(tick.emission, tick.cold_albedo, 1, p.albedo)};
         add(all, matter, p.sigma_t * deviation * deviation * deviation);
         const glm::vec3 deviations = glm::max(deviation * per_metre, 0.5f);
         const Along x((glm::dot(tick.map.x, p.centre) - tick.map.lo.x) * per_metre.x, deviations.x, side),

@@ -1,4 +1,5 @@
 // The server's formulas.
+#include "../../../../shaders/shared/emission.h"
 #include "../../../../shaders/shared/lit_particles.h"
 #include "../../../../shaders/shared/multiple.h"
 #include "../../../../shaders/shared/phase.h"

@@ -25,8 +25,8 @@ vec4 inSlab(LitSums from, LitSums to) {
   // What scattered straight on comes from where the sun is, too.
   lit = depth * pow(max(lit / max(depth, 1e-30), 1e-6), straight);
 #endif
-  vec3 soot = max(1.0 - matter.yzw / cold_albedo, 0.0);
-  return vec4(matter.yzw * (beam * lit + rest * depth) + soot * emission * depth, depth);
+  vec3 own = emitted(emission, cold_albedo, 1.0, matter.yzw);
+  return vec4(matter.yzw * (beam * lit + rest * depth) + own * depth, depth);
 }
 
 LitRange slabs; // in units of the medium's radius
