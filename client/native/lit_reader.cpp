@@ -1,5 +1,6 @@
 #include "client/native/lit_reader.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -33,7 +34,10 @@ std::string LitReader::problemOf(const wire::LitParticles& m) {
         for (const wire::Object* o : *m.objects())
             all =
                 all && finite(o->centre()) && finite(o->half_size()) && finite(o->albedo()) && std::isfinite(o->yaw());
-    return all ? "" : "lit particles with numbers that are none";
+    if (!all) return "lit particles with numbers that are none";
+    if (const wire::Vec3* cold = m.cold_albedo(); cold && !(std::min({cold->x(), cold->y(), cold->z()}) > 0))
+        return "lit particles whose cold_albedo is not above 0";
+    return "";
 }
 
 const lit::Rows* LitReader::read(const wire::LitParticles& m, std::span<const uint8_t> bytes) {

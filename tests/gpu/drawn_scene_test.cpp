@@ -118,5 +118,17 @@ TEST_F(GpuTest, DrawnScenesAreTheServersBitForBit) {
     }
 }
 
+TEST_F(GpuTest, LitParticlesWhoseColdAlbedoIsNothingAreRefused) {
+    Scene scene = sceneWithAll();
+    scene.medium.emission = {1, 2, 3};
+    const Message message = messageOf(device(), scene, Simulation(scene));
+    client::LitReader reader;
+    ASSERT_NE(reader.read(message.lit(), message.parsed.jpeg), nullptr) << reader.why();
+    ASSERT_NE(message.lit().cold_albedo(), nullptr);
+    *const_cast<wire::Vec3*>(message.lit().cold_albedo()) = wire::Vec3(1, 0, 1); // in the message's own bytes
+    EXPECT_EQ(reader.read(message.lit(), message.parsed.jpeg), nullptr);
+    EXPECT_EQ(reader.why(), "lit particles whose cold_albedo is not above 0");
+}
+
 } // namespace
 } // namespace brume::test::drawn_scene_test

@@ -76,7 +76,7 @@ def message(rows, before=None, *, number=1, reference=0, hues=((7, 1.0),), objec
         b.PrependFloat32(one)
     phase_vector = b.EndVector()
     vectors = {name: numbers.pop(name, (1, 2, 3)) for name in
-               ('Origin', 'ToLight', 'Irradiance', 'Ambient', 'Straight', 'Zenith', 'Horizon')}
+               ('Origin', 'ToLight', 'Irradiance', 'Ambient', 'Straight', 'Zenith', 'Horizon', 'ColdAlbedo')}
     LitParticles.Start(b)
     for name, value in numbers.items():
         getattr(LitParticles, f'Add{name}')(b, value)
@@ -200,6 +200,7 @@ class Messages(unittest.TestCase):
                 ('have more than 6 bytes', dict(data=zlib.compress(bytes(10 ** 8)))),
                 ('bytes follow them: 5 are told', dict(Bytes=5)), ('their number is 0', dict(number=0)),
                 ('origin is missing', dict(Origin=None)), ('to_light is not finite', dict(ToLight=(nan, 0, 0))),
+                ('cold_albedo is .*above 0', dict(ColdAlbedo=(1, 0, 1))),
                 ('places are not finite', dict(Step=nan)),
                 ('places are not finite', dict(Origin=(far, 0, 0), Step=far)),
                 ('falloff is 0', dict(Falloff=0)), ('falloff is inf', dict(Falloff=math.inf)),

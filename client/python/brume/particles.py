@@ -241,13 +241,16 @@ def _particles(table, data, held):
         raise ValueError('their places are not finite')
     if not LEAST_FALLOFF <= falloff <= MOST_FALLOFF:
         raise ValueError(f'falloff is {falloff}: {LEAST_FALLOFF:g} ... {MOST_FALLOFF:g} is allowed')
+    cold_albedo = _vector('cold_albedo', table.ColdAlbedo()) if table.ColdAlbedo() else (1.0, 1.0, 1.0)
+    if min(cold_albedo) <= 0:
+        raise ValueError(f'cold_albedo is {cold_albedo}: it is above 0')
     error = _finite('an error', table.Measured(), table.MeasuredLow(), table.MeasuredHigh())
     told = dict(
         number=table.Number(), tick=table.Tick(), hash=f'{table.StateHash():016x}', falloff=falloff,
         to_light=_vector('to_light', table.ToLight()), irradiance=_vector('irradiance', table.Irradiance()),
         phase=_phase(table), ambient=_vector('ambient', table.Ambient()),
         emission=_vector('emission', table.Emission()) if table.Emission() else (0.0, 0.0, 0.0),
-        cold_albedo=_vector('cold_albedo', table.ColdAlbedo()) if table.ColdAlbedo() else (1.0, 1.0, 1.0),
+        cold_albedo=cold_albedo,
         straight=_vector('straight', table.Straight()), mean_cosine=_finite('mean_cosine', table.MeanCosine()),
         zenith=_vector('zenith', table.Zenith()), horizon=_vector('horizon', table.Horizon()),
         haze=_finite('haze', table.Haze()), exposure=_finite('exposure', table.Exposure()),

@@ -77,6 +77,8 @@ export function decodeParticles(wire: WireParticles, tail: Uint8Array<ArrayBuffe
     ageMs: wire.ageMs(),
   };
   finite(...Object.values(numbers), ...phase, wire.predicted(), error, low, high);
+  const coldAlbedo = wire.coldAlbedo() ? toVec3(wire.coldAlbedo()) : ([1, 1, 1] as const);
+  if (!(Math.min(...coldAlbedo) > 0)) throw new ProtocolError("particles' cold albedo is not above 0");
   return {
     kind: 'lit',
     id: wire.id(),
@@ -94,7 +96,7 @@ export function decodeParticles(wire: WireParticles, tail: Uint8Array<ArrayBuffe
     phase,
     ambient: toVec3(wire.ambient()),
     emission: wire.emission() ? toVec3(wire.emission()) : [0, 0, 0],
-    coldAlbedo: wire.coldAlbedo() ? toVec3(wire.coldAlbedo()) : [1, 1, 1],
+    coldAlbedo,
     hues: huesOf(wire),
     straight: toVec3(wire.straight()),
     zenith: toVec3(wire.zenith()),

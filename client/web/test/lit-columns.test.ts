@@ -117,6 +117,7 @@ describe('messages of particles', () => {
     ['columns that are none', { present: 2 ** 50 }],
     ['a phase function of three numbers', { phase: [0, 0, 0] }],
     ['a phase function of five numbers', { phase: [0, 0, 0, 0, 0] }],
+    ['a cold albedo of 0', { coldAlbedo: [1, 0, 1] }],
     ['a phase function that is no number', { phase: [0, NaN, 0, 0] }],
     ['no hue', { hues: [] }],
     ['four hues', { hues: [1, 2, 4, 0].map((channels) => ({ channels, extinction: 1 })) }],
