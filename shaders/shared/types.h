@@ -140,7 +140,7 @@ struct Tick {
     LightMap map;  // of the sun
     float falloff; // f
     Phase phase;
-    float cut;    // optical depth that one particle may leave out: total of the setting / particle_count
+    float cut;     // optical depth that one particle may leave out: total of the setting / particle_count
     vec3 ambient;  // uniform radiance scattered in without shadowing
     vec3 emission; // W/(m^2 sr), of particles: emitted() in emission.h
     vec3 cold_albedo;

@@ -180,11 +180,11 @@ struct World {
     glm::dvec3 sky_zenith{0}, sky_horizon{0}; // radiance
     double haze = 0;                          // 1/m; throughHaze()
     glm::dvec3 ambient{0};                    // radiance from all directions, unshadowed
-    glm::dvec3 emission{0}, cold_albedo{1}; // emittedBy()
-    PhaseLobes phase;                // of everything but fogs, which have their own
-    glm::dvec3 extinction_colour{1}; // of everything but fogs: as theirs
-    bool sky_lights = false;         // True: what scatters gets the sky's light; only track() draws it
-    bool onto_surfaces = false;      // True: surfaces get the medium's light; only track() draws it
+    glm::dvec3 emission{0}, cold_albedo{1};   // emittedBy()
+    PhaseLobes phase;                         // of everything but fogs, which have their own
+    glm::dvec3 extinction_colour{1};          // of everything but fogs: as theirs
+    bool sky_lights = false;                  // True: what scatters gets the sky's light; only track() draws it
+    bool onto_surfaces = false;               // True: surfaces get the medium's light; only track() draws it
 };
 // Radiance that everything but fogs emits per optical depth, where it has this albedo.
 inline glm::dvec3 emittedBy(const World& world, glm::dvec3 albedo) {
