@@ -114,10 +114,28 @@ void Stage::submit(std::span<const EyeRequest> eyes, bool full) {
 }
 
 FrameCost Stage::frame() {
-    const LightWork before = renderer_.countLightWork();
     renderer_.forget(); // a frame costs what one of a medium that moves does
+    return costOf(eyes_);
+}
+
+FrameCost Stage::nextFrame() {
+    simulation_.step({});
+    return costOf(eyes_);
+}
+
+uint64_t Stage::voxelRaysAlone() {
+    uint64_t rays = 0;
+    for (const EyeRequest& eye : eyes_) {
+        renderer_.forget();
+        rays += costOf({&eye, 1}).light.voxel_rays;
+    }
+    return rays;
+}
+
+FrameCost Stage::costOf(std::span<const EyeRequest> eyes) {
+    const LightWork before = renderer_.countLightWork();
     const auto begin = std::chrono::steady_clock::now();
-    submit(eyes_);
+    submit(eyes);
     FrameCost cost;
     cost.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     for (const gpu::PassSample& sample : submission_.commands.readTimes()) {

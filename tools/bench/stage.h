@@ -76,7 +76,10 @@ public:
     Stage(const gpu::Device& device, const Case& wanted, uint32_t ticks = 0, const CostModel& costs = builtInCosts());
 
     void step(std::span<const Command> commands) { simulation_.step(commands); }
-    FrameCost frame(); // renders all viewers of the case
+    FrameCost frame();     // renders all viewers of the case
+    FrameCost nextFrame(); // the same of the next tick, with what the last frame left to it
+    // Rays to voxels of frames with one viewer each, summed over all viewers.
+    uint64_t voxelRaysAlone();
     // Renders one more view and reads it back. `history`: as EyeRequest::history.
     RadianceImage picture(const Pose& pose, glm::uvec2 size, uint64_t history = 0);
     // Renders one more view, and says how long its passes took: ms of the device.
@@ -105,6 +108,7 @@ public:
 
 private:
     void submit(std::span<const EyeRequest> eyes, bool full = false);
+    FrameCost costOf(std::span<const EyeRequest> eyes);
 
     const gpu::Device& device_;
     uint64_t bytes_before_;

@@ -61,6 +61,7 @@ void readSeries(TableReader& in, Series& out) {
     in.texts("viewers", out.viewers);
     readStand(in, out.stand);
     in.integer("ticks", out.ticks, {0, 100000});
+    in.boolean("moving", out.moving);
     in.texts("set", out.set);
     in.text("error", out.error, 16);
     in.integer("every", out.every, {1, 99});
@@ -199,7 +200,7 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
         all_done = true;
         for (size_t i = 0; i < stages.size(); ++i) {
             if (costs[i].frames.size() >= effort.least && costs[i].seconds >= effort.seconds) continue;
-            costs[i].add(stages[i]->frame());
+            costs[i].add(series.moving ? stages[i]->nextFrame() : stages[i]->frame());
             all_done = false;
         }
     }
@@ -232,6 +233,7 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
             row["light"] = {{"voxel_rays", light.voxel_rays}, {"froxel_rays", light.froxel_rays},
                             {"places", light.places},         {"samples", light.samples},
                             {"nodes", light.nodes},           {"holes", light.holes}};
+        if (light.voxel_rays > 0 && series.stand.apart > 0) row["light"]["voxel_rays_alone"] = stage.voxelRaysAlone();
         if (series.variants[i].published_ms > 0) row["published_ms"] = series.variants[i].published_ms;
         std::string said; // of the error
         if (!series.error.empty()) {

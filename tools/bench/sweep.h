@@ -31,6 +31,7 @@ struct Series {
     std::vector<std::string> set; // for all variants
     Stand stand;                  // of the viewers
     uint32_t ticks = 0;           // simulated before the first frame
+    bool moving = false;          // True: each frame is of the next tick, and knows what the one before has made
     std::string error;            // size of the pictures whose error is measured; empty: no errors
     uint32_t every = 1;           // errors: only every so many-th pixel is compared; odd, divides the size
     bool ground = false;  // True: also what the sun leaves on the ground, beside the reference; needs a union of balls

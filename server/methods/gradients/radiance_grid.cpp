@@ -1,6 +1,7 @@
 #include "server/methods/gradients/radiance_grid.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "server/gpu/binding_sizes.h"
 #include "server/inputs/constants.h"
@@ -109,7 +110,6 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     light_.atLeast(device_, shape_);
     if (shape_.bricks.x == 0) return;
 
-    const gpu::Commands::Pass pass(commands, "radiance");
     gpu::LightSampling push = samplingOf(tick, medium, shape_, nodes.grid());
     push.viewers = uint32_t(viewers_.size());
     uint64_t samples = push.firsts;
@@ -126,6 +126,7 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
     grow(values_, nested ? nodesOf(shape_) : 0, sizeof(glm::vec4), "nested light");
 
     const VkCommandBuffer cmd = commands.handle();
+    std::optional<gpu::Commands::Pass> pass(std::in_place, commands, "radiance samples");
     gpu::everythingBefore(cmd); // the eyes before have read it
     if (spheres) vkCmdFillBuffer(cmd, states_.handle(), 0, VK_WHOLE_SIZE, gpu::kNoSample);
     if (followed) {
@@ -163,6 +164,7 @@ void RadianceGrid::record(gpu::Commands& commands, const TickInputs& tick, const
             record(nested_program_, {gpu::storageBuffer("Values", values_), gpu::storageBuffer("States", states_)},
                    inLines(lanes.x * lanes.y * lanes.z));
         }
+    pass.emplace(commands, "radiance nodes");
     record(nodes_program_,
            {gpu::storageBuffer("LitNodes", light_.nodes), gpu::storageBuffer("SunNodes", light_.sun),
             gpu::storageBuffer("Samples", samples_), gpu::storageBuffer("States", states_),
