@@ -13,7 +13,8 @@
 namespace brume::test::medium_glow_test {
 namespace {
 
-constexpr uint32_t kWidth = 48, kHeight = 27;
+constexpr uint32_t kWidth = 32, kHeight = 18;
+constexpr int kPaths = 512;
 
 class MediumGlowTest : public GpuTest {
 protected:
@@ -56,7 +57,7 @@ TEST_F(MediumGlowTest, AFarBallOfSootIsAPoint) {
             ++compared;
         }
     std::printf("a ball of soot as a point: within %.1e on %d pixels\n", most, compared);
-    EXPECT_GT(compared, 400);
+    EXPECT_GT(compared, 180);
     EXPECT_LT(most, 0.015);
 }
 
@@ -73,13 +74,16 @@ struct Case {
     const char* name;
     float sigma_t, ground;
     bool fire;
-    double rmse; // allowed: one and a half times the measured one
+    bool whole_layer; // True: in the whole layer only
+    double rmse;      // allowed: one and a half times the measured one
 };
 
 // What a surface gets of it, beside random paths: fire over its ground, and a coloured cloud in the sun.
 TEST_F(MediumGlowTest, IsNearToRandomPaths) {
-    for (const Case& c : {Case{"fire", 0.3f, -2.5f, true, 0.17}, Case{"fire far above", 0.3f, -6, true, 0.105},
-                          Case{"thin cloud", 0.1f, -4, false, 0.08}, Case{"dense cloud", 1, -4, false, 0.78}}) {
+    for (const Case& c :
+         {Case{"fire", 0.3f, -2.5f, true, false, 0.17}, Case{"fire far above", 0.3f, -6, true, true, 0.105},
+          Case{"thin cloud", 0.1f, -4, false, true, 0.08}, Case{"dense cloud", 1, -4, false, false, 0.78}}) {
+        if (c.whole_layer && !whole()) continue;
         std::vector<Point> points = randomPoints(80, 4, 5, c.sigma_t);
         for (Point& p : points) p.albedo = c.fire && p.centre.y < 0 ? glm::vec3(0.1f) : glm::vec3(1, 0.9f, 0.6f);
         Scene scene = over(points, c.ground);
@@ -93,9 +97,9 @@ TEST_F(MediumGlowTest, IsNearToRandomPaths) {
         simulation.write(particles);
         reference::World world = reference::worldOf(scene, particles);
         const reference::Camera camera = reference::perspective(from, kWidth, kHeight);
-        const reference::TrackedPicture with = truePaths(world, camera, 512);
+        const reference::TrackedPicture with = truePaths(world, camera, kPaths);
         world.onto_surfaces = false;
-        const reference::TrackedPicture without = truePaths(world, camera, 512);
+        const reference::TrackedPicture without = truePaths(world, camera, kPaths);
         const Picture lit = seen(scene, from);
         scene.render.propagation.onto_surfaces = false;
         const Picture dark = seen(scene, from);

@@ -2,8 +2,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/ellipsoid.h"
+#include "shaders/shared/emission.h"
 #include "shaders/shared/fog.h"
 #include "shaders/shared/glass.h"
+#include "shaders/shared/glow.h"
 #include "shaders/shared/ground.h"
 #include "shaders/shared/lit_particles.h"
 #include "shaders/shared/phase.h"
@@ -54,5 +56,6 @@ void main() {
     const vec3 moments = litMoments(x[i], x[i + 1], x[i + 2], from);
     sum += litSlab(slab.lit, slab.depth, litEdge(litRange(moments, x[i]), x[i + 1]), moments) +
            litBefore(moments, a, x[i]);
+    sum += emitted(a, vec3(x[i]), x[i + 1], vec3(x[i + 2])).x + irradianceOf(x[i], a, vec3(x[i + 1]));
     x[i] = sum;
 }

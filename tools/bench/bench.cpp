@@ -41,6 +41,7 @@ public:
         addCompare();
         addCalibrate();
         addSweep();
+        addSheet();
         addTetrahedra();
         addReport();
         addTables();
@@ -151,6 +152,17 @@ private:
         allow(command->add_option("--least", o.effort.least, "frames per variant, at least"), 1, 1000);
         command->add_option("--only", o.effort.only, "series whose name holds this");
         command->add_flag("--merge", o.merge, "keep what the file has of other series");
+    }
+
+    void addSheet() {
+        CLI::App* command = addPlain("sheet", kQuestions,
+                                     "the pictures of a sweep's series as one: a row for each scene and camera, a "
+                                     "column for each variant",
+                                     [this] { sheet(context_, sheet_); });
+        command->add_option("sweep", sheet_.sweep, "TOML, docs/sweeps.md")->required();
+        command->add_option("series", sheet_.series, "its name")->required();
+        command->add_option("--size", sheet_.size, "pixels of each picture");
+        command->add_option("--out", sheet_.out, ".png, .jpg or .jpeg");
     }
 
     void addTetrahedra() {
@@ -316,6 +328,7 @@ private:
     CompareOptions compare_;
     double calibrate_seconds_ = 15;
     SweepOptions sweep_;
+    SheetOptions sheet_;
     TetrahedraOptions tetrahedra_;
     PromiseOptions promise_;
     ScatteringOptions scattering_;

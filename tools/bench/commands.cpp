@@ -26,6 +26,7 @@
 #include "tools/bench/report.h"
 #include "tools/bench/results_file.h"
 #include "tools/bench/scaling.h"
+#include "tools/bench/sheet.h"
 
 namespace brume::bench {
 namespace {
@@ -220,11 +221,16 @@ void sweep(const Context& context, const SweepOptions& o) {
         all.insert(all.end(), some.begin(), some.end());
     }
     const gpu::Device device(context.device);
+    gpu::DeviceOptions options = context.device;
+    options.mesh_shaders = false;
+    const gpu::Device without_mesh(options);
+    Effort effort = o.effort;
+    effort.without_mesh = &without_mesh;
     Truth truth(context.cache);
     const auto begin = std::chrono::steady_clock::now();
     const json made = madeBy(context, &device);
     json results = made;
-    results["series"] = runSweep(device, all, truth, o.effort);
+    results["series"] = runSweep(device, all, truth, effort);
     for (json& series : results["series"]) series["made"] = made;
     results["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     rusage usage{};
@@ -232,6 +238,20 @@ void sweep(const Context& context, const SweepOptions& o) {
     results["peak_mib"] = double(usage.ru_maxrss) / 1024;
     if (o.merge && std::filesystem::exists(o.out)) results = merged(readResults(o.out), results);
     writeText(o.out, textOf(results));
+}
+
+void sheet(const Context& context, const SheetOptions& o) {
+    if (formatNamed(o.out).empty()) throw std::runtime_error("--out " + o.out + ": allowed: .png, .jpg, .jpeg");
+    const std::vector<Series> all = loadSweep(o.sweep);
+    const auto found = std::ranges::find(all, o.series, &Series::name);
+    if (found == all.end()) {
+        std::string names;
+        for (const Series& series : all) names += (names.empty() ? "" : "; ") + series.name;
+        throw std::runtime_error(fmt::format("{}: no series \"{}\"; there are: {}", o.sweep, o.series, names));
+    }
+    const gpu::Device device(context.device);
+    writeSheet(device, *found, sizeOf(o.size), o.out);
+    std::cout << o.out << '\n';
 }
 
 void meshOrder(const Context& context, const std::filesystem::path& out) {

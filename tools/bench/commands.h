@@ -80,6 +80,13 @@ struct SweepOptions {
 };
 void sweep(const Context& context, const SweepOptions& options);
 
+struct SheetOptions {
+    std::string sweep, series; // TOML, and the name of one of its series
+    std::string size = "240x135";
+    std::string out = "sheet.jpg";
+};
+void sheet(const Context& context, const SheetOptions& options);
+
 // What sorting tetrahedra by their centres costs; JSON as of a sweep.
 void meshOrder(const Context& context, const std::filesystem::path& out);
 

@@ -125,10 +125,12 @@ FrameCost Stage::nextFrame() {
 
 uint64_t Stage::voxelRaysAlone() {
     uint64_t rays = 0;
-    for (const EyeRequest& eye : eyes_) {
-        renderer_.forget();
-        rays += costOf({&eye, 1}).light.voxel_rays;
-    }
+    for (const EyeRequest& eye : eyes_)
+        for (const bool counts : {false, true}) { // the first frame makes all that the last viewer did not see
+            renderer_.forget();
+            const uint64_t own = costOf({&eye, 1}).light.voxel_rays;
+            rays += counts ? own : 0;
+        }
     return rays;
 }
 

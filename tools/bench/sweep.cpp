@@ -29,6 +29,7 @@ void readVariant(TableReader& in, Variant& out) {
     in.texts("set", out.set);
     in.text("size", out.size, 16);
     in.integer("lights", out.lights, limits::kLocalLights);
+    in.boolean("mesh_shaders", out.mesh_shaders);
     in.number("published_ms", published, {0, 1e6});
     out.published_ms = double(published);
 }
@@ -85,17 +86,8 @@ void readSeries(TableReader& in, Series& out) {
         in.fail("beside", '"' + out.beside + "\" is no variant", "a name of one");
 }
 
-Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera) {
-    Case wanted;
-    wanted.scene = scene;
-    wanted.camera = camera;
-    wanted.lights = variant.lights;
-    wanted.stand = series.stand;
-    wanted.set = series.set;
-    if (!series.error.empty() || !series.beside.empty())
-        wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
-    wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
-    return wanted;
+Case measuredCase(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera) {
+    return caseOf(series, variant, scene, camera, !series.error.empty() || !series.beside.empty());
 }
 
 // What the frames of one stage took.
@@ -190,10 +182,13 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
     std::vector<std::unique_ptr<Stage>> stages;
     std::vector<Costs> costs(series.variants.size());
     for (const Variant& variant : series.variants) {
-        Case wanted = caseOf(series, variant, scene, camera);
+        Case wanted = measuredCase(series, variant, scene, camera);
         wanted.size = sizeOf(variant.size.empty() ? size : variant.size);
         wanted.viewers = uint32_t(std::stoul(viewers));
-        stages.push_back(std::make_unique<Stage>(device, wanted, series.ticks));
+        if (!variant.mesh_shaders && !effort.without_mesh)
+            throw std::runtime_error(series.name + ": no device without mesh shaders was given");
+        const gpu::Device& drawn_by = variant.mesh_shaders ? device : *effort.without_mesh;
+        stages.push_back(std::make_unique<Stage>(drawn_by, wanted, series.ticks));
         stages.back()->frame(); // compiles shaders, fits buffers
     }
     for (bool all_done = false; !all_done;) {
@@ -250,7 +245,7 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
                 fmt::format("  beside {}: {:.3g} %", series.beside, 100 * row["beside"]["relative_rmse"].get<double>());
         }
         if (series.ground) {
-            const GroundError ground = groundError(device, caseOf(series, series.variants[i], scene, camera),
+            const GroundError ground = groundError(device, measuredCase(series, series.variants[i], scene, camera),
                                                    sizeOf(series.error.empty() ? size : series.error), series.ticks);
             row["ground"] = {{"rms", ground.rms}, {"bias", ground.bias}, {"places", ground.places}};
             said += "; ground " + std::to_string(ground.rms);
@@ -264,6 +259,19 @@ json costRows(const gpu::Device& device, const Series& series, const std::string
 }
 
 } // namespace
+
+Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera,
+            bool medium_alone) {
+    Case wanted;
+    wanted.scene = scene;
+    wanted.camera = camera;
+    wanted.lights = variant.lights;
+    wanted.stand = series.stand;
+    wanted.set = series.set;
+    if (medium_alone) wanted.set.insert(wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
+    wanted.set.insert(wanted.set.end(), variant.set.begin(), variant.set.end());
+    return wanted;
+}
 
 std::vector<Series> loadSweep(const std::filesystem::path& file) {
     std::ifstream in(file);
@@ -296,7 +304,7 @@ json runSweep(const gpu::Device& device, const std::vector<Series>& all, Truth& 
             for (const std::string& camera : series.cameras) {
                 std::vector<NamedCase> cases;
                 for (const Variant& variant : series.variants)
-                    cases.push_back({variant.name, caseOf(series, variant, scene, camera)});
+                    cases.push_back({variant.name, measuredCase(series, variant, scene, camera)});
                 const glm::uvec2 size = series.error.empty() ? glm::uvec2() : sizeOf(series.error);
                 if (series.kind == "seams") take(seamRows(device, cases, size, series.ticks));
                 if (series.kind == "phase") take(phaseRows(device, cases, size));

@@ -19,9 +19,10 @@ namespace brume::bench {
 struct Variant {
     std::string name;
     std::vector<std::string> set;
-    std::string size;        // size of its pictures; empty: the series' sizes
-    uint32_t lights = 0;     // of the scene's lights the first ones, so many; 0: all
-    double published_ms = 0; // the dissertation's figure; 0: none was published
+    std::string size;         // size of its pictures; empty: the series' sizes
+    uint32_t lights = 0;      // of the scene's lights the first ones, so many; 0: all
+    bool mesh_shaders = true; // True: if the device has them; kind cost
+    double published_ms = 0;  // the dissertation's figure; 0: none was published
 };
 
 struct Series {
@@ -45,10 +46,15 @@ struct Series {
 };
 
 struct Effort {
-    double seconds = 1; // time for the frames of each variant
-    uint32_t least = 3; // least frames of each variant
-    std::string only;   // part of the series' names; empty: all series
+    double seconds = 1;                        // time for the frames of each variant
+    uint32_t least = 3;                        // least frames of each variant
+    std::string only;                          // part of the series' names; empty: all series
+    const gpu::Device* without_mesh = nullptr; // the same device, for variants without mesh shaders
 };
+
+// A variant in one place. `medium_alone`: without sky and ambient light, as errors are measured.
+Case caseOf(const Series& series, const Variant& variant, const std::string& scene, const std::string& camera,
+            bool medium_alone);
 
 // Loads a sweep. Throws SceneError, which names file, line, key and what is allowed.
 std::vector<Series> loadSweep(const std::filesystem::path& file);
