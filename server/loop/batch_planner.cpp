@@ -18,17 +18,20 @@ double paidPixels(const PoseRequest& request) { return paidPixels(pixelsOf(reque
 
 } // namespace
 
-// Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`.
+// Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`. Of a viewer who keeps
+// the size one picture alone takes no more: it is drawn more seldom.
 void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms) {
     wishes_.clear();
     most_pixels_.clear();
     for (const std::shared_ptr<Viewer>& viewer : viewers)
         wishes_.push_back(schedule_.predict(viewer->id(), paidPixels(viewer->wishedPixels())));
-    const double level = fairLevel(wishes_, schedule_.forPictures(most_ms));
-    for (size_t i = 0; i < viewers.size(); ++i)
-        most_pixels_.push_back(wishes_[i] > level
-                                   ? std::max(viewers[i]->wishedPixels() * level / wishes_[i], kLeastPixels)
+    const double whole = schedule_.forPictures(most_ms), level = fairLevel(wishes_, whole);
+    for (size_t i = 0; i < viewers.size(); ++i) {
+        const double most = viewers[i]->keepsSize() ? whole : level;
+        most_pixels_.push_back(wishes_[i] > most
+                                   ? std::max(viewers[i]->wishedPixels() * most / wishes_[i], kLeastPixels)
                                    : std::numeric_limits<double>::infinity());
+    }
 }
 
 void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uint64_t scene, const Limits& limits,

@@ -158,6 +158,11 @@ double Viewer::wishedPixels() const {
     return pixelsOf(*pose_);
 }
 
+bool Viewer::keepsSize() const {
+    const std::scoped_lock lock(mutex_);
+    return pose_ && pose_->keeps_size;
+}
+
 std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
                                            double most_pixels, Clock::duration layers_last, float part) {
     const std::scoped_lock lock(mutex_);

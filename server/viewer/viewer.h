@@ -100,6 +100,8 @@ public:
                                        Clock::duration layers_last = {}, float part = 1);
     // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
     double wishedPixels() const;
+    // True: it would rather have fewer pictures than smaller ones.
+    bool keepsSize() const;
     // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
     // nothing for such a viewer.
     std::optional<PoseRequest> pollOneShot();

@@ -246,6 +246,46 @@ TEST(BatchPlanner, WishesThatDoNotFitAreMadeSmallerAtOnce) {
     for (const auto& [id, width] : widths) EXPECT_EQ(width, id == 8 ? 320u : 360u) << id;
 }
 
+// Sixteen of 640x360 that take 110 ms each, of whom half would rather have fewer pictures than smaller ones. One whose
+// single picture takes too long gets it smaller all the same.
+TEST(BatchPlanner, WhoKeepsTheSizeComesMoreSeldomInstead) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t i = 0; i < 16; ++i) viewers.push_back(viewerOf(i + 1));
+    constexpr double kPerPixel = 110.0 / (640 * 360); // ms
+    Clock::time_point now = kStart;
+    std::map<uint32_t, std::pair<uint32_t, uint32_t>> drawn; // width and number of pictures
+    for (uint32_t seq = 1; seq < 200; ++seq, now += std::chrono::milliseconds(50)) {
+        for (uint32_t i = 0; i < 16; ++i) {
+            PoseRequest pose = i == 1 ? poseOf(seq, 1920, 1080, float(seq)) : poseOf(seq, 640, 360, float(seq + i));
+            pose.keeps_size = i % 2 == 1;
+            viewers[i]->setPose(pose);
+        }
+        ASSERT_TRUE(
+            planner.plan(viewers, seq, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch));
+        for (BatchJob& job : batch.jobs) {
+            job.gpu_ms = float(pixelsOf(job.due.request) * kPerPixel);
+            auto& [width, count] = drawn[job.viewer->id()];
+            width = job.due.request.width, ++count;
+        }
+        planner.took(batch, 0, 1, true);
+        deliver(batch, now);
+    }
+    ASSERT_EQ(drawn.size(), 16u);
+    for (const auto& [id, one] : drawn) {
+        if (id == 2) {
+            EXPECT_TRUE(one.first > 640 && one.first < 1920) << one.first;
+        } else if (id % 2 == 0) {
+            EXPECT_EQ(one.first, 640u) << id;
+        } else {
+            EXPECT_LT(one.first, 640u) << id;
+        }
+        EXPECT_GT(one.second, id % 2 == 0 ? 1u : 3u) << id << " is not forgotten";
+    }
+    EXPECT_GT(drawn[1].second, 2 * drawn[4].second) << "who takes smaller ones gets more of them";
+}
+
 // Sixteen pictures of 80x48 take 3 ms each, which is what their passes cost, however small they are. There is room for
 // many more, and a large one is not taken for a dear one.
 TEST(BatchPlanner, SmallPicturesMakeNoPixelDear) {
