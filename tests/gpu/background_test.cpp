@@ -154,7 +154,8 @@ TEST_F(BackgroundTest, GroundWithStructure) {
         const Seen seen = see(scene, pose, width, height, by_draw);
         int varied = 0;
         for (uint32_t i = 0; i < width * height; ++i) {
-            const reference::Ray ray = reference::rayThrough(camera, i % width + 0.5, double(i / width) + 0.5);
+            const uint32_t x = i % width, y = i / width;
+            const reference::Ray ray = reference::rayThrough(camera, x + 0.5, y + 0.5);
             if (ray.direction.y > -1e-2) continue;
             const glm::dvec3 exact = reference::along(world, ray).total(), flat = reference::along(plain, ray).total();
             // Float has steps of 0.5 mm there, and the shortest waves are 66 mm long: 1 % of their amplitudes.

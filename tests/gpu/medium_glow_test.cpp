@@ -7,6 +7,7 @@
 #include "tests/gpu/closed_form.h"
 #include "tests/gpu/fixture.h"
 #include "tests/gpu/truth.h"
+#include "tests/layer.h"
 #include "tools/reference/camera.h"
 #include "tools/reference/world.h"
 
