@@ -70,6 +70,19 @@ TEST_F(Which, SaysSoIfNothingHoldsAndGivesTheBest) {
     EXPECT_NE(whichText(question, answers).find("No candidate holds 0.001 %. The best leaves "), std::string::npos);
 }
 
+// The reference scatters once: what scatters on would be taken for an error.
+TEST_F(Which, LeavesOutWhatScattersMoreThanOnceAndSaysSo) {
+    Question question = small(0.05);
+    question.wanted.set.insert(question.wanted.set.end(), {"render.scattering=propagation", "sky.lights=true"});
+    const Answers answers = which(device(), builtInCosts(), question);
+    ASSERT_TRUE(answers.best);
+    EXPECT_TRUE(answers.holds) << answers.all[*answers.best].error;
+    const std::string text = whichText(question, answers);
+    EXPECT_NE(text.find("light that scattered once"), std::string::npos) << text;
+    EXPECT_EQ(linesOf(text).find("scattering"), std::string::npos) << "the scene keeps its own";
+    EXPECT_EQ(whichText(small(0.05), Answers{}).find("scattered once"), std::string::npos);
+}
+
 TEST_F(Which, EndsInTimeAndSaysWhatItLeftOut) {
     Question question = small(0.02);
     question.seconds = 1e-3;

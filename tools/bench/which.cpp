@@ -59,7 +59,10 @@ class Search {
 public:
     Search(const gpu::Device& device, const CostModel& model, const Question& question)
         : device_(device), model_(model), question_(question) {
-        question_.wanted.set.insert(question_.wanted.set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
+        std::vector<std::string>& set = question_.wanted.set;
+        answers_.scatters_on = sceneOf(question.wanted).render.scattering != "single";
+        if (answers_.scatters_on) set.insert(set.end(), {"render.scattering=single", "sky.lights=false"});
+        set.insert(set.end(), std::begin(kMediumAlone), std::end(kMediumAlone));
     }
 
     Answers run() {
@@ -296,6 +299,8 @@ std::string whichText(const Question& question, const Answers& answers) {
     out +=
         fmt::format("\nCompared: {} pixels, and {} at edges. Took {:.0f} s.{}\n\n", answers.pixels, answers.edge_pixels,
                     answers.seconds, answers.refused.empty() ? "" : " Refused: " + answers.refused + '.');
+    if (answers.scatters_on)
+        out += "Of light that scattered once: what scatters on is left out, and has errors of its own.\n\n";
     if (!answers.best) return out + "Nothing was measured: give it more time with --seconds.\n\n";
     const Answer& best = answers.all[*answers.best];
     out += answers.holds ? fmt::format("The cheapest within {:.3g} %", 100 * question.error)

@@ -40,6 +40,8 @@ struct Answers {
     std::optional<size_t>
         best;           // in `all`: the cheapest that holds, otherwise the most accurate; none: none was measured
     bool holds = false; // True: `best` is within the error
+    // True: the scene has light that scatters more than once. It is left out, as the reference scatters once.
+    bool scatters_on = false;
     size_t pixels = 0, edge_pixels = 0; // compared
     std::string refused;                // "METHOD: reason" for a method that the scene does not allow
     double seconds = 0;                 // that it took
