@@ -8,37 +8,12 @@
 #include "server/encode/picture.h"
 #include "server/loop/batch_planner.h"
 #include "server/loop/tick_source.h"
+#include "tests/unit/planned_viewers.h"
 
 namespace brume {
 namespace {
 
-const Clock::time_point kStart = Clock::time_point{} + std::chrono::hours(1);
-
-std::shared_ptr<Viewer> viewerOf(uint32_t id) { return std::make_shared<Viewer>(id, PacingOptions{}, nullptr); }
-
-PoseRequest poseOf(uint32_t seq, uint16_t width, uint16_t height, float x = 0, uint8_t views = 1) {
-    PoseRequest request;
-    request.seq = seq;
-    request.pose.position.x = x;
-    request.width = width;
-    request.height = height;
-    request.views = views;
-    request.received = kStart;
-    return request;
-}
-
-// Its frames reach the viewer, who acknowledges them.
-void deliver(const BatchContents& batch, Clock::time_point now) {
-    for (const BatchJob& job : batch.jobs) {
-        auto frame = std::make_shared<EncodedFrame>();
-        frame->id = job.due.frame_id;
-        frame->request = job.due.request;
-        frame->encoded = now;
-        job.viewer->deliver(std::move(frame));
-        ASSERT_TRUE(job.viewer->takeFrame(now));
-        ASSERT_TRUE(job.viewer->acknowledge(job.due.frame_id, now));
-    }
-}
+using test::deliver, test::kStart, test::poseOf, test::viewerOf;
 
 TEST(BatchPlanner, NobodyIsDueWithoutAPose) {
     BatchPlanner planner;
@@ -216,98 +191,6 @@ TEST(BatchPlanner, OneShotPicturesOfAnOwnerShareOneSeat) {
     EXPECT_GT(once_ms, 0.5 * watched_ms);
 }
 
-// Twenty who say hello and then all wish for two eyes of 1920x1080: a frame of all stays within its time from the
-// first, and who wishes for little gets it.
-TEST(BatchPlanner, WishesThatDoNotFitAreMadeSmallerAtOnce) {
-    BatchPlanner planner;
-    BatchContents batch;
-    std::vector<std::shared_ptr<Viewer>> viewers;
-    for (uint32_t i = 0; i < 20; ++i) {
-        viewers.push_back(viewerOf(i + 1));
-        viewers[i]->setPose(i == 7 ? poseOf(1, 320, 180, float(i)) : poseOf(1, 1920, 1080, float(i), 2));
-    }
-    constexpr double kPerPixel = 660.0 / (1920 * 1080 * 2); // ms
-    Clock::time_point now = kStart;
-    std::map<uint32_t, uint32_t> widths;
-    for (uint64_t scene = 1; scene < 60; ++scene) {
-        now += std::chrono::milliseconds(100);
-        ASSERT_TRUE(
-            planner.plan(viewers, scene, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch));
-        EXPECT_LE(planner.fullBatchMs(), 500) << scene;
-        for (BatchJob& job : batch.jobs) {
-            job.gpu_ms = float(pixelsOf(job.due.request) * kPerPixel);
-            const auto [width, is_new] = widths.emplace(job.viewer->id(), job.due.request.width);
-            EXPECT_EQ(width->second, job.due.request.width) << "sizes do not swing";
-        }
-        planner.took(batch, 0, 1, true);
-        deliver(batch, now);
-    }
-    ASSERT_EQ(widths.size(), 20u);
-    for (const auto& [id, width] : widths) EXPECT_EQ(width, id == 8 ? 320u : 360u) << id;
-}
-
-// Sixteen of 640x360 that take 110 ms each, of whom half would rather have fewer pictures than smaller ones. One whose
-// single picture takes too long gets it smaller all the same.
-TEST(BatchPlanner, WhoKeepsTheSizeComesMoreSeldomInstead) {
-    BatchPlanner planner;
-    BatchContents batch;
-    std::vector<std::shared_ptr<Viewer>> viewers;
-    for (uint32_t i = 0; i < 16; ++i) viewers.push_back(viewerOf(i + 1));
-    constexpr double kPerPixel = 110.0 / (640 * 360); // ms
-    Clock::time_point now = kStart;
-    std::map<uint32_t, std::pair<uint32_t, uint32_t>> drawn; // width and number of pictures
-    for (uint32_t seq = 1; seq < 200; ++seq, now += std::chrono::milliseconds(50)) {
-        for (uint32_t i = 0; i < 16; ++i) {
-            PoseRequest pose = i == 1 ? poseOf(seq, 1920, 1080, float(seq)) : poseOf(seq, 640, 360, float(seq + i));
-            pose.keeps_size = i % 2 == 1;
-            viewers[i]->setPose(pose);
-        }
-        ASSERT_TRUE(
-            planner.plan(viewers, seq, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch));
-        for (BatchJob& job : batch.jobs) {
-            job.gpu_ms = float(pixelsOf(job.due.request) * kPerPixel);
-            auto& [width, count] = drawn[job.viewer->id()];
-            width = job.due.request.width, ++count;
-        }
-        planner.took(batch, 0, 1, true);
-        deliver(batch, now);
-    }
-    ASSERT_EQ(drawn.size(), 16u);
-    for (const auto& [id, one] : drawn) {
-        if (id == 2) {
-            EXPECT_TRUE(one.first > 640 && one.first < 1920) << one.first;
-        } else if (id % 2 == 0) {
-            EXPECT_EQ(one.first, 640u) << id;
-        } else {
-            EXPECT_LT(one.first, 640u) << id;
-        }
-        EXPECT_GT(one.second, id % 2 == 0 ? 1u : 3u) << id << " is not forgotten";
-    }
-    EXPECT_GT(drawn[1].second, 2 * drawn[4].second) << "who takes smaller ones gets more of them";
-}
-
-// Sixteen pictures of 80x48 take 3 ms each, which is what their passes cost, however small they are. There is room for
-// many more, and a large one is not taken for a dear one.
-TEST(BatchPlanner, SmallPicturesMakeNoPixelDear) {
-    BatchPlanner planner;
-    BatchContents batch;
-    std::vector<std::shared_ptr<Viewer>> viewers;
-    for (uint32_t id = 1; id <= 16; ++id) viewers.push_back(viewerOf(id));
-    Clock::time_point now = kStart;
-    for (uint32_t seq = 1; seq <= 40; ++seq, now += std::chrono::milliseconds(50)) {
-        for (const auto& viewer : viewers) viewer->setPose(poseOf(seq, 80, 48, float(seq)));
-        ASSERT_TRUE(planner.plan(viewers, seq, {.budget_ms = 50, .most_ms = 500}, now, batch));
-        for (BatchJob& job : batch.jobs) job.gpu_ms = 3;
-        planner.took(batch, 0, 1, true);
-        deliver(batch, now);
-    }
-    EXPECT_NEAR(planner.viewersInTime(kLeastPixels, 500), 500 / 3.0, 1);
-    const std::vector newcomer{viewerOf(17)};
-    newcomer[0]->setPose(poseOf(1, 640, 360));
-    ASSERT_TRUE(planner.plan(newcomer, 41, {.budget_ms = 50, .most_ms = 500}, now, batch));
-    EXPECT_EQ(batch.jobs.front().due.request.width, 640);
-}
-
 // What rests is drawn once more, finer, when nothing has changed for anybody; then nothing at all.
 TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
     BatchPlanner planner;
@@ -329,38 +212,6 @@ TEST(BatchPlanner, StillPicturesComeOnceNothingMoves) {
                               now + std::chrono::seconds(1), batch));
     ASSERT_TRUE(planner.plan(viewers, 2, {.budget_ms = 50}, now + std::chrono::seconds(2), batch));
     EXPECT_FALSE(batch.still_pictures); // the scene moved
-}
-
-// One frame that took far too long, since the machine had other work: the picture at rest is whole again soon.
-TEST(BatchPlanner, OneSlowFrameLeavesNoSmallPictureAtRest) {
-    constexpr double kPerPixel = 1e-4; // ms
-    BatchPlanner planner;
-    BatchContents batch;
-    const std::vector viewers{viewerOf(1)};
-    viewers[0]->setPose(poseOf(1, 640, 360));
-    Clock::time_point now = kStart;
-    const auto draw = [&](double slower) {
-        now += std::chrono::milliseconds(200);
-        if (!planner.plan(viewers, 1, {.budget_ms = 50, .most_ms = 500, .ms_per_pixel = kPerPixel}, now, batch))
-            return false;
-        BatchJob& job = batch.jobs.front();
-        job.gpu_ms = float(slower * pixelsOf(job.due.request) * kPerPixel * (batch.still_pictures ? 4 : 1));
-        planner.took(batch, 0, 1, !batch.still_pictures);
-        deliver(batch, now);
-        return true;
-    };
-    ASSERT_TRUE(draw(1000));
-    std::vector<uint16_t> widths;
-    bool still = false;
-    while (draw(1)) {
-        ASSERT_LT(widths.size(), 8u);
-        widths.push_back(batch.jobs.front().due.request.width);
-        still = batch.still_pictures;
-    }
-    ASSERT_FALSE(widths.empty());
-    EXPECT_LT(widths.front(), 640) << "nothing is tested";
-    EXPECT_EQ(widths.back(), 640);
-    EXPECT_TRUE(still);
 }
 
 // Fairness without a clock: the device takes 1 us a pixel, viewers of several sizes want a picture at every tick.

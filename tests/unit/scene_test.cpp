@@ -278,8 +278,8 @@ TEST(Scene, IsFoundByNameOrPath) {
             std::string(error.what())
                 .find(
                     "cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
-                    "flame, flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, tetrahedra, "
-                    "tubes, tubes-union"),
+                    "flame, flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, "
+                    "tetrahedra, tubes, tubes-union"),
             std::string::npos)
             << error.what();
     }
