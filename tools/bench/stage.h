@@ -77,7 +77,7 @@ public:
 
     void step(std::span<const Command> commands) { simulation_.step(commands); }
     FrameCost frame();     // renders all viewers of the case
-    FrameCost nextFrame(); // the same of the next tick, with what the last frame left to it
+    FrameCost nextFrame(); // a frame of the next tick, which knows what the last frame has made
     // Rays to voxels of frames with one viewer each, summed over all viewers.
     uint64_t voxelRaysAlone();
     // Renders one more view and reads it back. `history`: as EyeRequest::history.

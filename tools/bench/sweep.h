@@ -20,7 +20,7 @@ struct Variant {
     std::string name;
     std::vector<std::string> set;
     std::string size;         // size of its pictures; empty: the series' sizes
-    uint32_t lights = 0;      // of the scene's lights the first ones, so many; 0: all
+    uint32_t lights = 0;      // how many of the scene's lights there are, the first ones; 0: all
     bool mesh_shaders = true; // True: if the device has them; kind cost
     double published_ms = 0;  // the dissertation's figure; 0: none was published
 };
@@ -49,7 +49,7 @@ struct Effort {
     double seconds = 1;                        // time for the frames of each variant
     uint32_t least = 3;                        // least frames of each variant
     std::string only;                          // part of the series' names; empty: all series
-    const gpu::Device* without_mesh = nullptr; // the same device, for variants without mesh shaders
+    const gpu::Device* without_mesh = nullptr; // device that lacks them; null: no variant asks for it
 };
 
 // A variant in one place. `medium_alone`: without sky and ambient light, as errors are measured.

@@ -49,7 +49,7 @@ public:
                 for (const SheetHit& sheet : sheets_) radiance += weight * sheet.mirrored, weight *= sheet.passes;
             }
             if (!(collision.t < ray.end)) {
-                if (from_surface) return radiance; // of the rest its shading knows
+                if (from_surface) return radiance; // its shading knows what else the surface gets
                 if (hit.object >= 0) {
                     const glm::dvec3 surface = lighting_.surface(hit, ray);
                     radiance += weight * (order == 0 ? throughHaze(world_, surface, hit.t, ray.direction) : surface);

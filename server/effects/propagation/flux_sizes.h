@@ -9,7 +9,7 @@
 
 namespace brume {
 
-inline constexpr uint32_t kFluxes = 6;                     // that pass each cell
+inline constexpr uint32_t kFluxes = 6; // number of fluxes that pass a cell, one each way along each axis
 inline constexpr uint64_t kLampBytes = 13 * sizeof(float); // shaders/lib/flux_lamps.glsl
 
 struct FluxSizes {
