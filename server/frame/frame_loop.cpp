@@ -93,6 +93,7 @@ void FrameLoop::run() {
             if (Clock::now() - now > kLongestLook) break; // many ticks of a seek: the rest comes with the next look
         }
         giveParticles();
+        pointing_.follow(*shown_.scene, shown_.simulation, audience_.people());
         followTicks(sought);
         followLists();
         if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands())) drawing_.draw();
@@ -229,6 +230,7 @@ void FrameLoop::takeScene() {
     shown_.drawn = featuresOf(shown_.simulation.now());
     ++shown_.version;
     drawing_.pace().disturb(Clock::now());
+    pointing_.forget();
     drawing_.showScene();
     audience_.setScene(std::move(facts));
     audience_.prepare({}); // it is there

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "server/frame/drawing.h"
+#include "server/loop/pointing.h"
 #include "server/loop/tick_source.h"
 
 namespace brume {
@@ -71,6 +72,7 @@ private:
     ShownScene shown_;
     Drawing drawing_;
     std::unique_ptr<TickSource> ticks_;
+    Pointing pointing_;
     std::vector<Command> commands_;
     std::vector<std::shared_ptr<Viewer>> viewers_;
 

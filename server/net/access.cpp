@@ -45,7 +45,7 @@ std::variant<Authorization, Reply> authorize(std::string_view header, std::strin
     const auto read = readToken(token, options.token_key, std::chrono::floor<std::chrono::seconds>(now));
     if (const auto* fault = std::get_if<TokenFault>(&read)) return unauthorized(*fault);
     const auto& claims = std::get<Claims>(read);
-    if (claims.role < least) return lineReply(403, forbidden(claims.role, least));
+    if (!atLeast(claims.role, least)) return lineReply(403, forbidden(claims.role, least));
     const auto left = claims.expires + kClockSkew - now;
     return Authorization{claims.role, Clock::now() + std::chrono::duration_cast<Clock::duration>(left), claims.name};
 }

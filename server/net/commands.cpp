@@ -69,13 +69,14 @@ wire::Role roleFor(const CommandBody& body) {
                                 });
     const bool for_operators =
         costs_everyone || std::holds_alternative<Restart>(body) || std::holds_alternative<SetParticles>(body);
-    return for_operators ? wire::Role::operator_ : wire::Role::controller;
+    if (for_operators) return wire::Role::operator_;
+    return std::holds_alternative<Impulse>(body) ? wire::Role::pusher : wire::Role::controller;
 }
 
 std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const ServerFacts& facts,
                                                const NamedParticles& medium, wire::Role role) {
     ReadCommand read = readCommand(input);
-    if (const wire::Role least = roleFor(read.body); role < least)
+    if (const wire::Role least = roleFor(read.body); !atLeast(role, least))
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
     if (!read.refusal) read.refusal = std::visit(Judge{facts, medium}, read.body);
     if (read.refusal) return *std::move(read.refusal);

@@ -36,7 +36,7 @@ asio::awaitable<bool> HttpConnection::sendLater(const HttpRequest& request, std:
 
 Newcomer HttpConnection::newcomer(const Authorization& authorization) const {
     return {.owner = ownerOf(authorization, slot_->network()),
-            .is_operator = authorization.role >= Role::operator_,
+            .is_operator = authorization.role == Role::operator_,
             .max_in_flight = 1};
 }
 

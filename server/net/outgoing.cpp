@@ -161,7 +161,7 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
                                    methods, quadratures, resume, viewer.resumed(), role, settings, starts, scenes,
-                                   lists, medium);
+                                   lists, medium, true);
     });
 }
 
@@ -195,6 +195,27 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
     });
 }
 
+wire::Packed packPeople(const People::Now& now, bool cameras) {
+    return wire::pack([&](Builder& b) {
+        std::vector<flatbuffers::Offset<wire::Person>> people;
+        for (const Person& one : now.people) {
+            wire::Look look;
+            if (one.look) {
+                const Frustum f = frustumOf(eyePose(one.look->pose, 0, one.look->views), one.look->width,
+                                            one.look->height);
+                look = wire::Look(toWire(one.look->pose.position), toWire(one.look->pose.orientation),
+                                  0.5f * (f.left + f.right), 0.5f * (f.up + f.down));
+            }
+            const wire::Vec3 pointer = toWire(one.pointer.value_or(glm::vec3(0)));
+            people.push_back(wire::CreatePerson(b, one.id, packText(b, one.name), one.known, one.colour,
+                                                wire::Role(one.role), one.follows,
+                                                cameras && one.look ? &look : nullptr,
+                                                one.pointer ? &pointer : nullptr));
+        }
+        return wire::CreatePeople(b, b.CreateVector(people), now.count, now.presenter);
+    });
+}
+
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
     return wire::pack([&](Builder& b) {
         const PoseRequest& request = frame.request;
@@ -220,7 +241,7 @@ wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms) {
             b, frame.id, frame.tick, frame.state_hash, request.seq, request.client_time_us, &position, &orientation,
             request.pose.fov_y, request.width, request.height, request.quality, &stages, jpeg_bytes, frusta[0],
             frusta[1], frame.png ? wire::Encoding::png : wire::Encoding::jpeg, frame.measured.rmse, frame.measured.low,
-            frame.measured.high, wire::Reduced(request.reduced), packed_layers);
+            frame.measured.high, wire::Reduced(request.reduced), packed_layers, request.follows);
     });
 }
 

@@ -13,6 +13,8 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
                          const SceneFacts& shown, wire::Role role);
 // `lists_for`: of the server, to tell the elements of the scene's lists, too; null: they are left out.
 wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const ServerFacts* lists_for = nullptr);
+// `cameras`: true to tell where each looks from.
+wire::Packed packPeople(const People::Now& now, bool cameras);
 // A frame's message without its JPEG bytes, which follow it. `queue_ms`: time since the JPEG was ready.
 wire::Packed packFrameHeader(const EncodedFrame& frame, float queue_ms);
 // Header of a frame whose medium the viewer draws. Its rows' bytes follow.

@@ -1,6 +1,7 @@
 #include "server/net/session_rules.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,8 @@ constexpr uint8_t kMostDrawHz = 60;
 constexpr int kMaxMalformed = 3; // malformed messages until the connection is closed: it speaks another protocol
 // Refusals a second, and in a burst. A viewer with a bug is told of each; one that exceeds them is disconnected.
 constexpr double kRefusalRate = 50, kRefusalBurst = 200;
+// What viewers say of themselves a second; more of it comes at this rate, the last at the end.
+constexpr double kPresenceRate = 20, kPresenceBurst = 20;
 
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -35,7 +38,8 @@ SessionRules::SessionRules(const NetOptions& options, const ServerFacts& facts, 
     : options_(options), facts_(facts), hello_deadline_(opened + options.handshake), role_(authorization.role),
       until_(authorization.until), messages_(options.message_rate, options.message_rate * options.burst_s),
       poses_(options.pose_rate, options.pose_rate * options.burst_s),
-      inputs_(options.input_rate, options.input_rate * options.burst_s), pose_complaints_(1, 1),
+      inputs_(options.input_rate, options.input_rate * options.burst_s), presences_(kPresenceRate, kPresenceBurst),
+      pose_complaints_(1, 1),
       refusals_(kRefusalRate, kRefusalBurst) {}
 
 void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Actions& out) {
@@ -60,6 +64,9 @@ void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point n
     const bool watching = state_ == State::watching;
     if (const auto* pose = message->as<wire::Pose>(); pose && watching) return onPose(*pose, now, out);
     if (const auto* input = message->as<wire::Input>(); input && watching) return onInput(*input, now, out);
+    if (const auto* presence = message->as<wire::Presence>(); presence && watching)
+        return onPresence(*presence, now, out);
+    if (const auto* lead = message->as<wire::Lead>(); lead && watching) return onLead(*lead, now, out);
     if (const auto* ack = message->as<wire::Ack>(); ack && watching) {
         out.push_back(Acknowledge{ack->frame()});
         return;
@@ -81,6 +88,11 @@ void SessionRules::onUnknownFrame(uint32_t frame, Clock::time_point now, Actions
     refuse(wire::ErrorCode::unexpected, fmt::format("frame {} was never sent", frame), now, out);
 }
 
+void SessionRules::onUnknownPerson(uint32_t person, Clock::time_point now, Actions& out) {
+    if (state_ == State::closed) return;
+    refuse(wire::ErrorCode::unknown_name, fmt::format("person {} is not here", person), now, out);
+}
+
 void SessionRules::onMereFrames(uint64_t count, Clock::time_point now, Actions& out) {
     if (state_ != State::closed && !messages_.charge(double(count), now))
         close(kClosePolicy, "too many WebSocket pings or fragments", out);
@@ -99,6 +111,8 @@ void SessionRules::onTick(Clock::time_point now, Actions& out) {
         out.push_back(SetPose{*postponed_});
         postponed_.reset();
     }
+    if (state_ == State::watching && postponed_presence_ && presences_.take(now))
+        out.push_back(SetPresence{*std::exchange(postponed_presence_, std::nullopt)});
 }
 
 void SessionRules::onHello(const wire::Hello& hello, Clock::time_point now, Actions& out) {
@@ -197,6 +211,36 @@ void SessionRules::onInput(const wire::Input& input, Clock::time_point now, Acti
     if (auto* refusal = std::get_if<Refusal>(&command))
         return refuse(refusal->code, std::move(refusal->text), now, out, seq);
     out.push_back(EnqueueCommand{seq, std::get<CommandBody>(std::move(command))});
+}
+
+void SessionRules::onPresence(const wire::Presence& said, Clock::time_point now, Actions& out) {
+    Presence presence{.name = personName(said.name() ? said.name()->string_view() : ""),
+                      .pointer = {},
+                      .follow = said.follow(),
+                      .cameras = said.cameras()};
+    if (const wire::Ray* ray = said.pointer()) {
+        const glm::vec3 origin = toGlm(ray->origin()), direction = toGlm(ray->direction());
+        const float length = glm::length(direction);
+        const auto holds = [](float place) { return limits::kPlace.holds(place); };
+        if (!holds(origin.x) || !holds(origin.y) || !holds(origin.z) || !(length > 1e-6f && length < 1e6f))
+            return refuse(wire::ErrorCode::out_of_range,
+                          fmt::format("a pointer begins at {} ... {} m and has a direction of finite length above 0",
+                                      limits::kPlace.lo, limits::kPlace.hi),
+                          now, out);
+        presence.pointer = PointingRay{origin, direction / length};
+    }
+    postponed_presence_ = std::move(presence);
+    if (!presences_.take(now)) return;
+    out.push_back(SetPresence{*std::exchange(postponed_presence_, std::nullopt)});
+}
+
+void SessionRules::onLead(const wire::Lead& lead, Clock::time_point now, Actions& out) {
+    if (!atLeast(role_, Role::presenter))
+        return refuse(wire::ErrorCode::forbidden, forbidden(role_, Role::presenter), now, out);
+    if (!presences_.take(now))
+        return refuse(wire::ErrorCode::too_fast, fmt::format("more than {:g} such messages a second", kPresenceRate),
+                      now, out);
+    out.push_back(TakeLead{lead.person()});
 }
 
 void SessionRules::malformed(const std::string& text, Clock::time_point now, Actions& out) {

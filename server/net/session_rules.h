@@ -24,6 +24,12 @@ struct Admit { // the hello is good: join the audience, then send Welcome, or cl
 struct SetPose { // the pose to render from now on
     PoseRequest request;
 };
+struct SetPresence { // what the viewer says of itself from now on
+    Presence presence;
+};
+struct TakeLead { // all take this person's camera; if there is no such person, call SessionRules::onUnknownPerson
+    uint32_t person; // 0: nobody's
+};
 struct EnqueueCommand { // a command for the scene; answer busy if the queue refuses it
     uint32_t seq;
     CommandBody body;
@@ -47,7 +53,7 @@ struct Close { // send Goodbye with the reason and close with this WebSocket cod
     uint16_t code;
     std::string reason;
 };
-using Action = std::variant<Admit, SetPose, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
+using Action = std::variant<Admit, SetPose, SetPresence, TakeLead, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
 using Actions = std::vector<Action>;
 
 // WebSocket close codes (RFC 6455 and the IANA registry).
@@ -67,9 +73,10 @@ public:
     void onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Actions& out);
     void onText(Clock::time_point now, Actions& out); // a text message: brume.v1 has only binary ones
     void onUnknownFrame(uint32_t frame, Clock::time_point now, Actions& out);
+    void onUnknownPerson(uint32_t person, Clock::time_point now, Actions& out);
     // So many WebSocket frames that are no message came: pings, pongs, fragments. Each counts as one message.
     void onMereFrames(uint64_t count, Clock::time_point now, Actions& out);
-    // Checks deadlines and hands out a pose that was held back. To be called several times a second.
+    // Checks deadlines and hands out a pose or a presence that was held back. To be called several times a second.
     void onTick(Clock::time_point now, Actions& out);
 
     // How long to wait before the next message is read: zero unless the viewer sends more than options.message_rate.
@@ -79,6 +86,8 @@ private:
     void onHello(const wire::Hello& hello, Clock::time_point now, Actions& out);
     void onPose(const wire::Pose& pose, Clock::time_point now, Actions& out);
     void onInput(const wire::Input& input, Clock::time_point now, Actions& out);
+    void onPresence(const wire::Presence& presence, Clock::time_point now, Actions& out);
+    void onLead(const wire::Lead& lead, Clock::time_point now, Actions& out);
     void malformed(const std::string& text, Clock::time_point now, Actions& out);
     void refuse(wire::ErrorCode code, std::string text, Clock::time_point now, Actions& out, uint32_t input_seq = 0);
     void close(uint16_t code, std::string reason, Actions& out);
@@ -95,9 +104,10 @@ private:
     State state_ = State::awaiting_hello;
     PoseRequest granted_;                  // the present size, views and quality
     std::optional<PoseRequest> postponed_; // the newest pose over the rate: set at a later tick
+    std::optional<Presence> postponed_presence_;
     std::optional<uint32_t> input_seq_;    // of the last input
     int malformed_ = 0;
-    TokenBucket messages_, poses_, inputs_, pose_complaints_, refusals_;
+    TokenBucket messages_, poses_, inputs_, presences_, pose_complaints_, refusals_;
 };
 
 } // namespace brume::net

@@ -1,6 +1,7 @@
 #include "server/net/token.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -53,14 +54,20 @@ bool printable(std::string_view text) {
     return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
+// Each may do what those before it may.
+constexpr std::array<Role, 5> kRanks{Role::viewer, Role::pusher, Role::controller, Role::presenter, Role::operator_};
+
 // End of the year 9999 in seconds since 1970; a clock's type can hold it.
 constexpr int64_t kLastSecond = 253'402'300'799;
 
 } // namespace
 
 // The role's name in texts. flatc's EnumNameRole() says operator_, since operator is a keyword of C++.
-const char* nameOf(Role role) {
-    return role == Role::viewer ? "viewer" : role == Role::controller ? "controller" : "operator";
+const char* nameOf(Role role) { return role == Role::operator_ ? "operator" : wire::EnumNameRole(role); }
+
+bool atLeast(Role role, Role least) {
+    const auto rank = [](Role one) { return std::ranges::find(kRanks, one) - kRanks.begin(); };
+    return rank(role) >= rank(least);
 }
 
 std::optional<Role> roleNamed(std::string_view name) {

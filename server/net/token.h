@@ -44,8 +44,10 @@ std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_v
 // Precondition: the name has at most kMostTokenName printable ASCII characters.
 std::string makeToken(const Claims& claims, std::string_view key);
 
-// "viewer", "controller", "operator".
+// "viewer", "pusher", "controller", "presenter", "operator".
 const char* nameOf(Role role);
+// True: `role` may do all that `least` may.
+bool atLeast(Role role, Role least);
 std::optional<Role> roleNamed(std::string_view name);
 
 } // namespace brume::net

@@ -38,11 +38,18 @@ OrderedJson errorsOf(uint32_t viewer, std::span<const ViewError> errors) {
     return all;
 }
 
-OrderedJson of(const Viewer& viewer, std::span<const ViewError> errors, Clock::time_point now) {
+OrderedJson of(const Viewer& viewer, const Person* person, std::span<const ViewError> errors, Clock::time_point now) {
     const Viewer::Link link = viewer.link();
     const Viewer::Counts counts = viewer.counts();
     const History history = viewer.history();
     OrderedJson one{{"id", viewer.id()}};
+    if (person) {
+        one["name"] = person->name;
+        one["name_by_token"] = person->known;
+        one["colour"] = fmt::format("#{:06x}", person->colour);
+        one["role"] = nameOf(Role(person->role));
+        one["follows"] = person->follows;
+    }
     if (const auto pose = viewer.pose()) {
         one["size"] = {pose->width, pose->height};
         one["eyes"] = pose->views;
@@ -73,8 +80,12 @@ std::string viewersJson(const Audience& audience) {
     OrderedJson list = OrderedJson::array();
     const auto now = Clock::now();
     const auto report = audience.report();
-    for (const auto& viewer : viewers) list.push_back(of(*viewer, report->errors, now));
-    return OrderedJson{{"viewers", std::move(list)}}.dump() + "\n";
+    const People::Now people = audience.people().now();
+    for (const auto& viewer : viewers) {
+        const auto person = std::ranges::find(people.people, viewer->id(), &Person::id);
+        list.push_back(of(*viewer, person == people.people.end() ? nullptr : &*person, report->errors, now));
+    }
+    return OrderedJson{{"presenter", people.presenter}, {"viewers", std::move(list)}}.dump() + "\n";
 }
 
 } // namespace brume::net

@@ -12,6 +12,7 @@
 #include "server/net/mere_frames.h"
 #include "server/net/origin.h"
 #include "server/net/outgoing.h"
+#include "server/net/people_news.h"
 #include "server/net/pings.h"
 #include "server/net/scene_news.h"
 #include "server/net/session_rules.h"
@@ -44,7 +45,8 @@ public:
           mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
           rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()), news_(context_->audience) {}
+          heartbeat_(ws_.get_executor()), news_(context_->audience),
+          people_news_(context_->audience.people()) {}
 
     void start(const HttpRequest& request) {
         slot_->assign(shared_from_this());
@@ -74,6 +76,8 @@ private:
     void admit(const Admit& hello);
     void acknowledge(uint32_t frame);
     void command(const EnqueueCommand& given);
+    void lead(uint32_t person);
+    People& people() const { return context_->audience.people(); }
     wire::Packed newPing();
     void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
@@ -105,6 +109,7 @@ private:
     bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
     std::optional<websocket::close_reason> closing_; // set: write() closes once control_ is empty
     SceneNews news_;
+    PeopleNews people_news_;
     PoseRequest granted_; // by the hello
     bool ended_ = false;
 };
@@ -273,8 +278,14 @@ void WebSocketSession::carryOut(Actions& actions) {
         WebSocketSession& s;
         void operator()(Admit& e) { s.admit(e); }
         void operator()(SetPose& e) {
-            if (s.handle_) s.handle_->viewer().setPose(e.request);
+            if (s.handle_) s.people().look(s.handle_->viewer().id(), e.request);
         }
+        void operator()(SetPresence& e) {
+            if (!s.handle_) return;
+            s.people().say(s.handle_->viewer().id(), e.presence);
+            s.people_news_.ask(e.presence.cameras);
+        }
+        void operator()(TakeLead& e) { s.lead(e.person); }
         void operator()(EnqueueCommand& e) { s.command(e); }
         void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
         void operator()(Ponged& e) { s.ponged(e.nonce); }
@@ -294,10 +305,12 @@ void WebSocketSession::carryOut(Actions& actions) {
 void WebSocketSession::admit(const Admit& hello) {
     auto [handle, why] = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(),
                                             {.owner = ownerOf(authorization_, slot_->network()),
-                                             .is_operator = authorization_.role >= Role::operator_,
+                                             .is_operator = authorization_.role == Role::operator_,
                                              .key = hello.resume,
                                              .token = authorization_.name,
-                                             .draws = hello.granted.draw_hz > 0});
+                                             .draws = hello.granted.draw_hz > 0,
+                                             .role = uint8_t(authorization_.role),
+                                             .is_person = true});
     handle_ = std::move(handle);
     if (!handle_) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
@@ -329,6 +342,15 @@ void WebSocketSession::command(const EnqueueCommand& given) {
     if (!refusal) return;
     context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
     enqueue(packError(refusal->code, refusal->text, given.seq));
+}
+
+void WebSocketSession::lead(uint32_t person) {
+    if (people().lead(person))
+        return log(person == 0 ? fmt::format("{}: nobody presents any more", name_)
+                               : fmt::format("{}: viewer {} presents", name_, person));
+    Actions refusal;
+    rules_.onUnknownPerson(person, Clock::now(), refusal);
+    carryOut(refusal);
 }
 
 // The viewer leaves the audience at once. The connection ends when all control messages are sent.
@@ -363,7 +385,9 @@ void WebSocketSession::tellRefusedInputs() {
     }
 }
 
-bool WebSocketSession::newsAreDue() const { return handle_ && !closing_ && news_.due(Clock::now()); }
+bool WebSocketSession::newsAreDue() const {
+    return handle_ && !closing_ && (news_.due(Clock::now()) || people_news_.due(Clock::now()));
+}
 
 wire::Packed WebSocketSession::welcome() {
     const SceneFacts& shown = news_.takeScene();
@@ -372,7 +396,11 @@ wire::Packed WebSocketSession::welcome() {
 }
 
 // Another scene is told of first, and what changed in it by the next call.
-wire::Packed WebSocketSession::takeNews() { return news_.anotherScene() ? welcome() : news_.takeState(Clock::now()); }
+wire::Packed WebSocketSession::takeNews() {
+    if (news_.anotherScene()) return welcome();
+    const auto now = Clock::now();
+    return news_.due(now) ? news_.takeState(now) : people_news_.take(now);
+}
 
 // Ends the session once. Every coroutine then finds ended_ set or its operation aborted.
 void WebSocketSession::finish(std::string_view why) {

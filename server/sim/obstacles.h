@@ -37,6 +37,12 @@ public:
     // The others are those of `lists` from now on. `hash`: hashOf() them; nothing happens where it is known.
     void follow(const SceneLists& lists, uint64_t hash);
 
+    // The part of a way, in [0, 1], after which it meets the first of them from outside. Nothing: it meets none.
+    std::optional<double> firstMet(glm::dvec3 from, glm::dvec3 way) const {
+        const std::optional<Met> met = firstOnWay(from, way);
+        return met ? std::optional(met->part) : std::nullopt;
+    }
+
     struct Widths {                               // of particles
         double clearance = 0;                     // m per m of scale
         std::span<const gpu::EllipsoidAxes> axes; // empty: all are round

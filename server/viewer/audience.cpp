@@ -139,6 +139,7 @@ Audience::Admission Audience::join(std::function<void()> notify, const Newcomer&
         lost_.erase(known); // a key can be used once
     }
     viewers_.push_back(viewer);
+    if (newcomer.is_person) people_.join(viewer, newcomer.token, newcomer.role);
     ++revision_;
     return {std::move(viewer)};
 }
@@ -149,6 +150,7 @@ void Audience::leave(const std::shared_ptr<Viewer>& viewer, bool lost) {
         if (std::erase(viewers_, viewer) > 0) ++revision_;
         if (lost) remember(viewer);
     }
+    people_.leave(viewer->id());
     viewer->close(); // without the lock: close() waits for the viewer's notify, which may call this class
 }
 

@@ -14,6 +14,7 @@
 #include "server/sim/command.h"
 #include "server/sim/lists.h"
 #include "server/viewer/particle_requests.h"
+#include "server/viewer/people.h"
 #include "server/viewer/replay_control.h"
 #include "server/viewer/scene_requests.h"
 #include "server/viewer/viewer.h"
@@ -82,6 +83,8 @@ struct Newcomer {
     std::string key;            // of a viewer whose connection was lost; empty: somebody new
     std::string token;          // the name in its token; empty: it has none
     bool draws = false;         // True: it draws by itself where the scene allows it
+    uint8_t role = 0;           // wire::Role's value
+    bool is_person = false;     // True: it is one of people(); false: it takes pictures by a URL
 };
 
 class Audience {
@@ -126,6 +129,8 @@ public:
     void list(std::vector<std::shared_ptr<Viewer>>& out) const;
 
     CommandQueue& commands() { return commands_; }
+    People& people() { return people_; }
+    const People& people() const { return people_; }
     SceneRequests& sceneRequests() { return scene_requests_; }
     ParticleRequests& particleRequests() { return particle_requests_; }
     // Of a recording that is looked at: nothing else takes commands then. Null otherwise.
@@ -156,6 +161,7 @@ private:
     std::atomic<uint32_t> time_for_{~0u};
     std::atomic<bool> keeps_place_{false};
     CommandQueue commands_;
+    People people_;
     SceneRequests scene_requests_;
     ParticleRequests particle_requests_;
     std::shared_ptr<ReplayControl> replay_;

@@ -40,6 +40,7 @@ struct PoseRequest {
     bool one_shot = false;              // True: one still picture at full accuracy, whatever the load; then nothing
     uint8_t draw_hz = 0;                // above 0: the viewer draws by itself, from so many LitTicks a second at most
     uint8_t layers = 0;                 // layers with depth besides each picture; 0: none
+    uint32_t follows = 0;               // id of the person whose camera this is; 0: the viewer's own
     uint8_t show = 0;                   // number of a view (common/view_names.h); 0: the picture itself
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer

@@ -69,7 +69,31 @@ Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> n
 
 void Viewer::setPose(const PoseRequest& request) {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq))) return;
+    if (pose_ && !any_pose_ && !isNewer(request.seq, pose_->seq)) return;
+    place(request);
+}
+
+void Viewer::look(const PoseRequest& own) {
+    const std::scoped_lock lock(mutex_);
+    place(own);
+}
+
+void Viewer::follow(uint32_t leader, const PoseRequest& theirs, const PoseRequest* own) {
+    const std::scoped_lock lock(mutex_);
+    if (!own && !pose_) return;
+    PoseRequest request = own ? *own : *pose_;
+    request.pose = theirs.pose;
+    request.width = theirs.width, request.height = theirs.height;
+    if (theirs.views > request.views) request.pose.right_frustum = {}, request.pose.eye_separation = 0;
+    request.show = theirs.show;
+    request.layers = theirs.layers;
+    request.follows = leader;
+    request.received = theirs.received;
+    place(request);
+}
+
+void Viewer::place(const PoseRequest& request) {
+    if (closed_) return;
     any_pose_ = false;
     if (pose_ && pose_->hidden && !request.hidden) made_.reset(); // its picture is due, though it may show nothing new
     const bool rests = pose_ && samePictures(*pose_, request);
@@ -83,7 +107,7 @@ void Viewer::resume(const std::optional<PoseRequest>& pose) {
     const std::scoped_lock lock(mutex_);
     resumed_ = any_pose_ = true;
     pose_ = pose;
-    if (pose_) pose_->received = Clock::now();
+    if (pose_) pose_->received = Clock::now(), pose_->follows = 0;
 }
 
 void Viewer::grant(const PoseRequest& granted) {

@@ -52,6 +52,11 @@ public:
     // --- the connection's side ---
     // Sets the pose. Ignored if its seq is not newer than the present pose's (wrap-around safe).
     void setPose(const PoseRequest& request);
+    // Sets the pose, however old its number is: the viewer's own again, after follow().
+    void look(const PoseRequest& own);
+    // Its pictures have the camera, size and view of person `leader`, who asks for `theirs`. All else stays as in its
+    // pose, or as in `own`, a newer one. Nothing without a pose.
+    void follow(uint32_t leader, const PoseRequest& theirs, const PoseRequest* own = nullptr);
     // Takes the newest frame; null when there is none. A frame that was replaced before it was taken counts as
     // superseded.
     FramePtr takeFrame(Clock::time_point now = Clock::now());
@@ -149,7 +154,8 @@ public:
     History history() const;
 
 private:
-    // Precondition of both: mutex_ is held.
+    // Precondition of all: mutex_ is held.
+    void place(const PoseRequest& request);
     QualityStep step() const;
     PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
     // Of the pending frame, whose medium the viewer draws: what it can read. False: it can read none of it.
