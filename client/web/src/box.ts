@@ -83,15 +83,26 @@ export function lengthText(...metres: readonly number[]): string {
 
 const BAR = { left: 18, above: 18, tick: 5 }; // CSS pixels
 
-// Draws both on a canvas that lies over the picture. `ratio`: its pixels in one of the page's.
-export function drawBox(canvas: HTMLCanvasElement, box: Box, eye: Eye, ratio: number, above: number): void {
+export interface Lines {
+  context: CanvasRenderingContext2D; // in CSS pixels
+  width: number;
+  height: number;
+}
+
+// Clears a canvas that lies over the picture. `ratio`: its pixels in one of the page's.
+export function beginLines(canvas: HTMLCanvasElement, ratio: number): Lines | undefined {
   const context = canvas.getContext('2d');
-  if (!context) return;
+  if (!context) return undefined;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const [across, down] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== across || canvas.height !== down) Object.assign(canvas, { width: across, height: down });
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
+  return { context, width, height };
+}
+
+// Draws both, the scale `above` CSS pixels over its usual place.
+export function drawBox({ context, width, height }: Lines, box: Box, eye: Eye, above: number): void {
   // Light lines on a dark rim are seen on sky and on cloud.
   const stroke = (path: Path2D, faint: boolean): void => {
     context.setLineDash(faint ? [4, 5] : []);

@@ -25,6 +25,7 @@ export interface BrumeViewEvents {
   note: { text: string; kind: 'info' | 'error' };
   modechange: undefined;
   touched: undefined;
+  people: undefined;
   moved: { page: string };
 }
 
@@ -38,6 +39,7 @@ const STYLE = `
   :host(:focus-visible) .quiet { outline: none; }
   canvas, .ring { position: absolute; inset: 0; width: 100%; height: 100%; pointer-events: none; }
   .view { object-fit: cover; }
+  .view.whole { object-fit: contain; }
   [hidden] { display: none; }
   .cursor { position: absolute; left: -32px; top: -32px; width: 64px; height: 64px; border-radius: 50%; opacity: 0;
     box-sizing: border-box; border: 1.5px solid rgb(255 255 255 / 75%); pointer-events: none;
@@ -84,6 +86,7 @@ export class BrumeView extends HTMLElement {
       'controls',
       'box',
       'view',
+      'name',
     ],
   ];
   // The camera to begin with, in place of the attributes: of a viewer that was here before.
@@ -157,6 +160,9 @@ export class BrumeView extends HTMLElement {
         break;
       case 'draw':
         viewer?.chooseDraw(drawWishOf(now));
+        break;
+      case 'name':
+        viewer?.people.rename(now ?? '');
         break;
       case 'quality':
         viewer?.setQuality(this.wishes().quality);
@@ -235,6 +241,7 @@ export class BrumeView extends HTMLElement {
       },
       picture: (frame, latency) => void this.tell('picture', { frame, latency }),
       drawn: ({ tick, stateHash }) => void this.tell('drawn', { tick, stateHash }),
+      people: () => void this.tell('people', undefined),
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
       touched: () => void this.tell('touched', undefined),
@@ -250,6 +257,7 @@ export class BrumeView extends HTMLElement {
         this.setAttribute('src', page);
       },
     });
+    viewer.people.rename(this.getAttribute('name') ?? '');
     viewer.arrived = this.arrived;
     this.arrived = undefined;
     this.running = viewer;

@@ -131,6 +131,11 @@ export class Connection {
     return true;
   }
 
+  // A message that is no pose and no input; lost without a connection.
+  sendMessage(message: Uint8Array<ArrayBuffer>): void {
+    if (this.welcomed) this.send(message);
+  }
+
   acknowledge(frame: number): void {
     if (this.welcomed) this.send(encodeAck(frame));
   }

@@ -10,6 +10,7 @@ import { Goodbye as WireGoodbye } from './wire/brume/wire/goodbye';
 import type { List as WireList } from './wire/brume/wire/list';
 import { LitParticles as WireParticles } from './wire/brume/wire/lit-particles';
 import { Message } from './wire/brume/wire/message';
+import { People as WirePeople } from './wire/brume/wire/people';
 import { Ping as WirePing } from './wire/brume/wire/ping';
 import { Quat as WireQuat } from './wire/brume/wire/quat';
 import type { Plan as WirePlan } from './wire/brume/wire/plan';
@@ -21,6 +22,7 @@ import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import { decodeParticles } from './lit-particles';
+import { decodePeople } from './people-wire';
 import { ProtocolError } from './protocol';
 import { roleOf } from './role';
 import type {
@@ -72,6 +74,8 @@ export function decode(data: ArrayBuffer): ServerMessage {
       return decodeFrame(message.body(new WireFrame()) as WireFrame, tail);
     case Body.LitParticles:
       return decodeParticles(message.body(new WireParticles()) as WireParticles, tail);
+    case Body.People:
+      return decodePeople(message.body(new WirePeople()) as WirePeople);
     case Body.Error: {
       const error = message.body(new WireError()) as WireError;
       return { kind: 'error', code: error.code(), text: error.text() ?? '', inputSeq: error.inputSeq() };
@@ -168,6 +172,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     scenes: toList(w.scenesLength(), MAX_SCENES, (i) => w.scenes(i)),
     lists: toList(w.listsLength(), MAX_LISTS, (i) => decodeList(w.lists(i))),
     medium: w.medium() ?? '',
+    people: w.people(),
   };
 }
 
@@ -246,6 +251,7 @@ function decodeFrame(f: WireFrame, tail: Uint8Array<ArrayBuffer>): Frame {
     ...(reduced ? { reduced } : {}),
     ...(f.measured() > 0 ? { measured: { error: f.measured(), low: f.measuredLow(), high: f.measuredHigh() } } : {}),
     jpeg,
+    follows: f.follows(),
     ...(layers.length === jpeg.length ? { layers } : {}),
   };
 }

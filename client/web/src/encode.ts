@@ -22,12 +22,12 @@ import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import type { Change as OneChange, Command, Frustum, HelloMessage, PoseMessage, Vec3 } from './protocol';
 
-function finish(builder: Builder, type: Body, body: number): Uint8Array<ArrayBuffer> {
+export function finish(builder: Builder, type: Body, body: number): Uint8Array<ArrayBuffer> {
   Message.finishSizePrefixedMessageBuffer(builder, Message.createMessage(builder, type, body));
   return builder.asUint8Array() as Uint8Array<ArrayBuffer>;
 }
 
-const vec3 = (builder: Builder, v: Vec3): number => WireVec3.createVec3(builder, v[0], v[1], v[2]);
+export const vec3 = (builder: Builder, v: Vec3): number => WireVec3.createVec3(builder, v[0], v[1], v[2]);
 
 const createFrustum = (builder: Builder, f: Frustum): number =>
   WireFrustum.createFrustum(builder, f.left, f.right, f.up, f.down);

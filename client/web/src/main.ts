@@ -18,8 +18,10 @@ import { addressAt, cameraIn } from './move';
 import { Notices } from './notices';
 import { Overlay } from './overlay';
 import { buildPanel } from './panel';
+import { keptName, leaderText } from './people-panel';
 import { placeOf } from './place';
 import { shownError } from './plan';
+import { Pointing } from './pointing';
 import type { Report } from './report';
 import { mayOperate, takeToken } from './role';
 import { sentence } from './sentence';
@@ -70,6 +72,8 @@ view.addEventListener('welcome', ({ detail: welcome }) => {
   age = new Age(welcome.tickHz);
   panel.welcome(welcome, settings.cap);
   setText(find('brand-scene'), welcome.scene);
+  panel.people();
+  setText(find('leader'), '');
 });
 view.addEventListener('scenechange', ({ detail: scene }) => {
   const { values, statistics } = viewer();
@@ -84,6 +88,11 @@ view.addEventListener('scenechange', ({ detail: scene }) => {
   tellLack();
 });
 view.addEventListener('modechange', showMode);
+view.addEventListener('people', () => {
+  if (!view.viewer) return;
+  panel.people();
+  setText(find('leader'), leaderText(viewer().people));
+});
 view.addEventListener('moved', (event) => {
   event.preventDefault(); // the whole page goes there, not the view alone
   location.assign(addressAt(event.detail.page, location.search, token, viewer().camera));
@@ -103,6 +112,7 @@ function attributes(): Record<string, string | undefined> {
     predict: settings.predict ? '' : undefined,
     box: settings.box ? '' : undefined,
     view: settings.view,
+    name: keptName() || undefined,
   };
 }
 
@@ -128,11 +138,16 @@ function showMode(): void {
   setPressed(find('tool-push'), pushing);
   setPressed(find('tool-vr'), headset?.mode === 'vr');
   setPressed(find('tool-ar'), headset?.mode === 'ar');
-  for (const tool of ['push', 'pause']) find<HTMLButtonElement>(`tool-${tool}`).disabled = !mayPush;
+  find<HTMLButtonElement>('tool-push').disabled = !mayPush;
+  find<HTMLButtonElement>('tool-pause').disabled = !viewer().mayControl;
+  find<HTMLButtonElement>('tool-point').disabled = !viewer().people.there;
+  setPressed(find('tool-point'), pointing.on);
   document.body.classList.toggle('pushing', pushing);
+  document.body.classList.toggle('pointing', pointing.on);
   setText(find('hint'), hintText(mode, pushing, mayPush));
 }
 
+const pointing = new Pointing(view, viewer);
 const setMode = (mode: Mode): void => viewer().setMode(mode);
 
 const toggles = {
@@ -155,6 +170,10 @@ const actions: Record<string, () => void> = {
   orbit: () => setMode('orbit'),
   fly: () => setMode('fly'),
   push: () => (viewer().pushing = !viewer().pushing),
+  point: () => {
+    pointing.on = !pointing.on;
+    showMode();
+  },
   pause: () =>
     viewer().mayControl && viewer().command({ kind: 'set', changes: [{ path: PAUSED, value: paused() ? 0 : 1 }] }),
   reset: () => viewer().goHome(),
@@ -171,6 +190,7 @@ for (const [name, action] of Object.entries(actions))
 onKeys({
   KeyC: () => setMode(viewer().mode === 'orbit' ? 'fly' : 'orbit'),
   KeyX: () => actions['push']?.(),
+  KeyT: () => actions['point']?.(),
   KeyP: () => actions['pause']?.(),
   KeyR: () => actions['reset']?.(),
   KeyB: () => actions['box']?.(),
@@ -234,6 +254,7 @@ const panel = buildPanel(
   {
     command: (order) => viewer().command(order),
     camera: () => viewer().camera,
+    people: () => viewer().people,
     setCap: (cap) => change({ cap }),
     setQuality: (quality) => change({ quality }),
     setEyes: (eyes) => change({ eyes: eyes === 'side' ? 'side' : 'one' }),

@@ -8,6 +8,8 @@ import { listGroup } from './lists';
 import type { ListGroup } from './lists';
 import { planText } from './plan';
 import type { ErrorLine } from './plan';
+import type { People } from './people';
+import { peoplePanel } from './people-panel';
 import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
 import { UNITS, UPS } from './scenes';
@@ -25,6 +27,7 @@ const IRRADIANCE = 'light.irradiance'; // path of the sun's
 export interface PanelHost {
   command(command: Command): void;
   camera(): Camera;
+  people(): People;
   setCap(index: number | undefined): void; // undefined: automatic
   setQuality(quality: number): void;
   setEyes(eyes: string): void;
@@ -46,6 +49,7 @@ export interface Panel {
   // `changed`: true if a setting that this viewer may change is not as the scene began.
   // `error`: of what is shown, if it is measured.
   follow(values: Values, inUse: Plan | undefined, error: ErrorLine | undefined, changed: boolean): void;
+  people(): void; // people have changed
   drawn(here: boolean): void; // whether what is shown is drawn here
   follows(own: Settings): void; // what is this viewer's own
   lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
@@ -63,6 +67,7 @@ const KEYS = [
   ['Arrows', 'orbit or look'],
   ['C', 'orbit or fly'],
   ['X, Ctrl, Alt', 'push while dragging'],
+  ['T', 'point at something for everyone'],
   ['R', 'first camera'],
   ['B', 'box and scale'],
   ['P', 'pause for everyone'],
@@ -181,9 +186,11 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   let lists: ListGroup[] = [];
   const actions = el('div', { class: 'actions' }, open, save, reset);
   const scenes = group('Scene', true, scene.element, unit.element, up.element, actions, doing);
+  const people = peoplePanel(host.people);
   root.append(
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
     scenes,
+    people.element,
     place,
     group(
       'Picture, yours alone',
@@ -229,6 +236,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       setText(measured, error ? `measured ${error.text}` : '');
       measured.classList.toggle('broken', error?.broken ?? false);
     },
+    people: people.update,
     drawn: (here) => (compare.hidden = !here),
     follows: (own) => {
       box.follow(own.box);

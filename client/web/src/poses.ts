@@ -25,6 +25,7 @@ export interface PosesHost {
   readonly latencyMs: number; // from a pose to its picture; 0: not known
   readonly hidden: boolean; // true: nobody sees the pictures
   readonly drawing: { readonly shown: boolean };
+  readonly people: { readonly leader: unknown }; // undefined: the camera is this viewer's own
 }
 
 export class Poses {
@@ -55,10 +56,11 @@ export class Poses {
 
   // To be called once per animation frame.
   follow(now: number): void {
-    const { camera, size, wishes, link, drawing } = this.host;
+    const { camera, size, wishes, link, drawing, people } = this.host;
     this.predictor.add(now, camera);
     const { sent } = this;
-    const changed = sent?.size !== size || sent.view !== wishes.view || !same(sent.camera, camera);
+    const moved = !people.leader && !same(sent?.camera ?? camera, camera);
+    const changed = sent?.size !== size || sent.view !== wishes.view || moved;
     const apart = !changed ? REFRESH_MS : drawing.shown ? DRAWING_MS : 0;
     const due = sent === undefined || now - sent.at >= apart;
     if (due && link.connected) this.ask(now);

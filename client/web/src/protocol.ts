@@ -95,6 +95,7 @@ export interface Welcome {
   scenes: string[]; // names of the scenes that an operator can switch to
   lists: List[]; // empty from older servers
   medium: string; // the scene's medium.model; empty from older servers
+  people: boolean; // true: the server takes Presence and Lead
 }
 
 // Corners of a box along the axes, m.
@@ -174,6 +175,7 @@ export interface Frame {
   stages: { wait: number; render: number; encode: number; queue: number; gpu: number }; // ms
   measured?: Measured; // absent: not known
   reduced?: 'link' | 'device'; // why it is less than what was asked for; absent: it is not, or an older server
+  follows: number; // the person whose camera this is; 0: the pose's
   jpeg: Uint8Array<ArrayBuffer>[]; // one picture per view; JPEG, or PNG for a still picture without loss
   layers?: DepthLayers[]; // of each view, where the pose asked for them
 }
@@ -227,6 +229,32 @@ export interface LitParticles {
   bytes: Uint8Array<ArrayBuffer>; // of columns, packed
 }
 
+// What a viewer says of itself.
+export interface Presence {
+  name: string; // empty: it has chosen none
+  pointer?: { origin: Vec3; direction: Vec3 }; // a dot is shown where this ray meets something; left out: none
+  follow: number; // id of the person whose camera it wants; 0: its own
+  cameras: boolean; // true: it wants to know where others look from
+}
+
+export interface Person {
+  id: number;
+  name: string;
+  known: boolean; // true: its token says the name
+  colour: string; // #rrggbb
+  role: Role;
+  follows: number; // whose camera it has; 0: its own
+  look?: { position: Vec3; orientation: Quat; right: number; up: number }; // absent: not known
+  pointer?: Vec3; // absent: it points at nothing
+}
+
+export interface PeopleMessage {
+  kind: 'people';
+  people: Person[]; // in the order in which they came
+  count: number; // of all, also those who are not told of
+  presenter: number; // 0: nobody presents
+}
+
 export interface ErrorMessage {
   kind: 'error';
   code: number;
@@ -240,6 +268,7 @@ export type ServerMessage =
   | Frame
   | LitParticles
   | ErrorMessage
+  | PeopleMessage
   | { kind: 'ping' | 'pong'; nonce: number; timeUs: bigint }
   | { kind: 'goodbye'; reason: string; retryAfterS: number; goTo: string };
 

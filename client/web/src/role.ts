@@ -1,10 +1,12 @@
 // The viewer's token, and what its role allows.
 import { Role as WireRole } from './wire/brume/wire/role';
 
-export type Role = 'viewer' | 'controller' | 'operator';
+export type Role = 'viewer' | 'pusher' | 'controller' | 'presenter' | 'operator';
 
 const ROLES: Record<number, Role> = {
   [WireRole.viewer]: 'viewer',
+  [WireRole.pusher]: 'pusher',
+  [WireRole.presenter]: 'presenter',
   [WireRole.controller]: 'controller',
   [WireRole.operator]: 'operator',
 };
@@ -12,9 +14,10 @@ const ROLES: Record<number, Role> = {
 // A role that this page does not know counts as viewer.
 export const roleOf = (role: number): Role => ROLES[role] ?? 'viewer';
 
-const RANKS: readonly Role[] = ['viewer', 'controller', 'operator'];
+const RANKS: readonly Role[] = ['viewer', 'pusher', 'controller', 'presenter', 'operator'];
 export const atLeast = (role: Role, least: Role): boolean => RANKS.indexOf(role) >= RANKS.indexOf(least);
-export const mayControl = (role: Role): boolean => role !== 'viewer';
+export const mayPush = (role: Role): boolean => role !== 'viewer';
+export const mayControl = (role: Role): boolean => atLeast(role, 'controller');
 export const mayOperate = (role: Role): boolean => role === 'operator';
 
 const KEY = 'brume-token';

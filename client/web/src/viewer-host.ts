@@ -21,6 +21,7 @@ export interface ViewerEvents {
   scene(scene: SceneState): void;
   picture(frame: Frame, latency: Latency | undefined): void; // latency: of the first frame of its pose
   drawn(message: LitParticles): void; // particles came, from which this page draws
+  people(): void; // others came, left, point or present
   note(text: string, kind: 'info' | 'error'): void;
   changed(): void; // mode, pushing or headset
   touched(): void; // the camera was moved by hand, or the picture pressed

@@ -3,7 +3,9 @@ import type { Camera } from './camera';
 import type { Connection } from './connection';
 import type { ControlsHost, Mode } from './controls';
 import type { DrawingHost } from './drawing';
+import type { People, PeopleHost } from './people';
 import type { Poses } from './poses';
+import type { Welcome } from './protocol';
 import type { Statistics } from './statistics';
 import type { ViewerEvents, Wishes } from './viewer-host';
 import type { Viewing } from './viewing';
@@ -15,6 +17,7 @@ interface Controlled {
   readonly pushing: boolean;
   readonly mayPush: boolean;
   readonly wishes: Wishes;
+  readonly people: People;
 }
 
 export function controlsHost(viewer: Controlled, poses: Poses, events: ViewerEvents): ControlsHost {
@@ -23,6 +26,7 @@ export function controlsHost(viewer: Controlled, poses: Poses, events: ViewerEve
       return viewer.camera;
     },
     set camera(value) {
+      if (!viewer.people.takesBack()) return;
       viewer.camera = value;
       poses.moved();
     },
@@ -73,5 +77,31 @@ export function drawingHost(viewer: Drawer, events: ViewerEvents): DrawingHost {
     },
     unreadable: (error) => viewer.link.unreadable(error),
     note: (text) => events.note(text, 'info'),
+  };
+}
+
+interface Company {
+  camera: Camera;
+  readonly link: Connection;
+  readonly welcome: Welcome | undefined;
+  readonly drawing: { readonly shown: boolean };
+}
+
+export function peopleHost(viewer: Company, events: ViewerEvents): PeopleHost {
+  return {
+    get camera() {
+      return viewer.camera;
+    },
+    set camera(value) {
+      viewer.camera = value;
+    },
+    get welcome() {
+      return viewer.welcome;
+    },
+    get drawsHere() {
+      return viewer.drawing.shown;
+    },
+    send: (message) => viewer.link.sendMessage(message),
+    told: () => events.people(),
   };
 }

@@ -1,7 +1,6 @@
 // One viewer of a server, without a page around it: connection, pictures, camera, pushes, headset.
 import { AutoLayers } from './auto-layers';
 import { AutoSize } from './auto-size';
-import { drawBox } from './box';
 import { fitAspect, lookAt } from './camera';
 import type { Camera } from './camera';
 import { Connection } from './connection';
@@ -13,13 +12,15 @@ import { Drawing } from './drawing';
 import { Headset } from './headset';
 import type { HeadsetMode } from './headset';
 import type { Latency } from './latency';
+import { OverPicture } from './over-picture';
+import { People } from './people';
 import { Picture } from './picture';
 import { Poses } from './poses';
 import type { Command, Frame, SceneState, ServerMessage, Welcome } from './protocol';
 import { Pusher } from './pusher';
 import { report } from './report';
 import type { Report } from './report';
-import { mayControl } from './role';
+import { mayControl, mayPush } from './role';
 import { PAUSED, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { defaultCap } from './size';
@@ -27,7 +28,7 @@ import type { Size } from './size';
 import { Statistics } from './statistics';
 import { firstCamera, placed } from './place';
 import type { Place } from './place';
-import { controlsHost, drawingHost } from './viewer-parts';
+import { controlsHost, drawingHost, peopleHost } from './viewer-parts';
 import { Viewing } from './viewing';
 import type { Eyes, ReprojectionWish } from './viewing';
 import type { Stage, ViewerEvents, Wishes } from './viewer-host';
@@ -45,6 +46,7 @@ export class Viewer {
   readonly report: Report;
   readonly link: Connection;
   readonly drawing: Drawing;
+  readonly people: People;
   welcome: Welcome | undefined;
   scene: SceneState | undefined;
   values: Values = new Map(); // of the scene's settings, as last reported
@@ -65,6 +67,7 @@ export class Viewer {
     use: (layers) => this.reshape(() => this.viewing.takeLayers(layers)),
   });
   private readonly poses = new Poses(this);
+  private readonly over: OverPicture;
   private readonly picture: Picture;
   private readonly controls: Controls;
   private readonly visibility: Visibility;
@@ -115,6 +118,8 @@ export class Viewer {
       this.ending.signal,
     );
     this.drawing = new Drawing(drawingHost(this, events));
+    this.people = new People(peopleHost(this, events));
+    this.over = new OverPicture(stage.canvas, stage.drawing);
     // Pushes that are made without a connection are lost.
     const pusher = new Pusher((impulse) => void this.link.sendInput(impulse));
     this.controls = new Controls(
@@ -163,7 +168,7 @@ export class Viewer {
   }
 
   get mayPush(): boolean {
-    return this.wishes.control === 'push' && this.mayControl;
+    return this.wishes.control === 'push' && mayPush(this.welcome?.role ?? 'operator');
   }
 
   get mayControl(): boolean {
@@ -210,6 +215,7 @@ export class Viewer {
 
   // The first camera, for the shape that the window has now.
   goHome(): void {
+    if (!this.people.takesBack()) return;
     this.camera = fitAspect(this.home, this.aspect());
   }
 
@@ -218,7 +224,7 @@ export class Viewer {
     this.wishes.place = place;
     if (!this.welcome) return;
     this.home = placed(place, this.welcome.camera);
-    this.camera = this.home;
+    if (this.people.takesBack()) this.camera = this.home;
   }
 
   resize(): void {
@@ -322,6 +328,7 @@ export class Viewer {
     this.limit = granted < 0.98 * asked ? granted : Infinity;
     if (!this.mayPush) this.push = false;
     this.resize();
+    this.people.begin();
     this.events.welcome(greeting);
     this.events.changed();
     if (this.visibility.hidden) this.poses.ask(performance.now());
@@ -331,6 +338,7 @@ export class Viewer {
     this.statistics.byteRate.add(performance.now(), bytes);
     switch (message.kind) {
       case 'frame':
+        if (message.follows !== 0) this.people.takeCamera(message.position, message.orientation);
         this.drawing.pictureCame();
         this.picture.show(message);
         this.followSpeed(message);
@@ -344,6 +352,9 @@ export class Viewer {
         this.scene = message;
         this.values = valuesOf(this.welcome?.settings ?? [], message.settings);
         this.events.scene(message);
+        break;
+      case 'people':
+        this.people.receive(message);
         break;
       case 'error':
         if (message.code !== ERROR_FULL) this.events.note(message.text || 'The server refused that.', 'error');
@@ -379,17 +390,7 @@ export class Viewer {
     const moment = this.drawing.at(performance.now());
     if (moment) this.viewing.drawMoment(moment, this.drawing, now);
     else this.viewing.draw();
-    this.drawBox();
+    this.over.draw(this);
     this.poses.follow(now);
   };
-
-  private drawBox(): void {
-    const { drawing } = this.stage;
-    const [shown, box] = [this.viewing.shown, this.scene?.box];
-    drawing.hidden = !this.wishes.box || !shown || !box || this.viewing.parts === 2;
-    if (drawing.hidden || !shown || !box) return;
-    const above = Number.parseFloat(getComputedStyle(drawing).getPropertyValue('--brume-scale-above')) || 0;
-    const eye = { position: shown.position, orientation: shown.orientation, fovY: this.fovY };
-    drawBox(drawing, box, eye, window.devicePixelRatio, above);
-  }
 }
