@@ -9,12 +9,12 @@
 namespace brume {
 namespace {
 
-constexpr size_t kMostRays = 8;           // of one look
+constexpr size_t kMostRays = 8;            // of one look
 constexpr uint32_t kMostParticles = 65536; // of a medium with more, every so many are looked at
-constexpr double kFar = 1e5;              // m
-constexpr double kLeastHidden = 0.02;     // a part of the ray
-constexpr double kBeside = 4;             // 1/k: a Gaussian farther from the ray than this is not on it
-constexpr double kFine = 0.01;            // m
+constexpr double kFar = 1e5;               // m
+constexpr double kLeastHidden = 0.02;      // a part of the ray
+constexpr double kBeside = 4;              // 1/k: a Gaussian farther from the ray than this is not on it
+constexpr double kFine = 0.01;             // m
 
 } // namespace
 

@@ -23,15 +23,15 @@ public:
     // Answers rays that have moved. Costs nothing where none has.
     void follow(const Scene& scene, const Simulation& simulation, People& people);
 
-    // Where along the ray, m: on the first surface, if the medium before it hides less than half of it; otherwise at the
-    // depth by which half of what the medium hides on the ray is hidden. Nothing: the ray meets no surface, and less
-    // than 2 % of it is hidden. Balls, ellipsoids, voxels and corners of tetrahedra count as Gaussians as wide.
+    // Where along the ray, m: on the first surface, if the medium before it hides less than half of it; otherwise at
+    // the depth by which half of what the medium hides on the ray is hidden. Nothing: the ray meets no surface, and
+    // less than 2 % of it is hidden. Balls, ellipsoids, voxels and corners of tetrahedra count as Gaussians as wide.
     // `particles`: of the medium; `falloff`: Medium::falloff. Exact for Gaussians within 1 cm.
     std::optional<float> depthOf(const PointingRay& ray, const Obstacles& solids,
                                  std::span<const gpu::Particle> particles, float falloff);
 
 private:
-    struct OnRay { // a particle's Gaussian on the ray
+    struct OnRay {              // a particle's Gaussian on the ray
         double centre, k, line; // m, 1/m, optical depth of the whole line
     };
     double depthUpTo(double metres) const; // optical depth

@@ -201,16 +201,15 @@ wire::Packed packPeople(const People::Now& now, bool cameras) {
         for (const Person& one : now.people) {
             wire::Look look;
             if (one.look) {
-                const Frustum f = frustumOf(eyePose(one.look->pose, 0, one.look->views), one.look->width,
-                                            one.look->height);
+                const Frustum f =
+                    frustumOf(eyePose(one.look->pose, 0, one.look->views), one.look->width, one.look->height);
                 look = wire::Look(toWire(one.look->pose.position), toWire(one.look->pose.orientation),
                                   0.5f * (f.left + f.right), 0.5f * (f.up + f.down));
             }
             const wire::Vec3 pointer = toWire(one.pointer.value_or(glm::vec3(0)));
-            people.push_back(wire::CreatePerson(b, one.id, packText(b, one.name), one.known, one.colour,
-                                                wire::Role(one.role), one.follows,
-                                                cameras && one.look ? &look : nullptr,
-                                                one.pointer ? &pointer : nullptr));
+            people.push_back(wire::CreatePerson(
+                b, one.id, packText(b, one.name), one.known, one.colour, wire::Role(one.role), one.follows,
+                cameras && one.look ? &look : nullptr, one.pointer ? &pointer : nullptr));
         }
         return wire::CreatePeople(b, b.CreateVector(people), now.count, now.presenter);
     });

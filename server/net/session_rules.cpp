@@ -39,8 +39,7 @@ SessionRules::SessionRules(const NetOptions& options, const ServerFacts& facts, 
       until_(authorization.until), messages_(options.message_rate, options.message_rate * options.burst_s),
       poses_(options.pose_rate, options.pose_rate * options.burst_s),
       inputs_(options.input_rate, options.input_rate * options.burst_s), presences_(kPresenceRate, kPresenceBurst),
-      pose_complaints_(1, 1),
-      refusals_(kRefusalRate, kRefusalBurst) {}
+      pose_complaints_(1, 1), refusals_(kRefusalRate, kRefusalBurst) {}
 
 void SessionRules::onMessage(std::span<const uint8_t> bytes, Clock::time_point now, Actions& out) {
     if (state_ == State::closed) return;

@@ -27,7 +27,7 @@ struct SetPose { // the pose to render from now on
 struct SetPresence { // what the viewer says of itself from now on
     Presence presence;
 };
-struct TakeLead { // all take this person's camera; if there is no such person, call SessionRules::onUnknownPerson
+struct TakeLead {    // all take this person's camera; if there is no such person, call SessionRules::onUnknownPerson
     uint32_t person; // 0: nobody's
 };
 struct EnqueueCommand { // a command for the scene; answer busy if the queue refuses it
@@ -53,7 +53,8 @@ struct Close { // send Goodbye with the reason and close with this WebSocket cod
     uint16_t code;
     std::string reason;
 };
-using Action = std::variant<Admit, SetPose, SetPresence, TakeLead, EnqueueCommand, Acknowledge, AnswerPing, Ponged, SendError, Close>;
+using Action = std::variant<Admit, SetPose, SetPresence, TakeLead, EnqueueCommand, Acknowledge, AnswerPing, Ponged,
+                            SendError, Close>;
 using Actions = std::vector<Action>;
 
 // WebSocket close codes (RFC 6455 and the IANA registry).
@@ -105,7 +106,7 @@ private:
     PoseRequest granted_;                  // the present size, views and quality
     std::optional<PoseRequest> postponed_; // the newest pose over the rate: set at a later tick
     std::optional<Presence> postponed_presence_;
-    std::optional<uint32_t> input_seq_;    // of the last input
+    std::optional<uint32_t> input_seq_; // of the last input
     int malformed_ = 0;
     TokenBucket messages_, poses_, inputs_, presences_, pose_complaints_, refusals_;
 };

@@ -45,8 +45,7 @@ public:
           mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
           rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()), news_(context_->audience),
-          people_news_(context_->audience.people()) {}
+          heartbeat_(ws_.get_executor()), news_(context_->audience), people_news_(context_->audience.people()) {}
 
     void start(const HttpRequest& request) {
         slot_->assign(shared_from_this());

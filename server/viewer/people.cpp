@@ -198,11 +198,12 @@ People::Now People::now() const {
     now.count = uint32_t(entries_.size());
     now.presenter = presenter_;
     for (const uint32_t id : order_) {
-        const size_t room = kMostPeople - (presenter_ != 0 && id != presenter_ ? 1 : 0); // the presenter's place is kept
-        const bool told = now.people.size() < room ||
-                          (now.people.size() < kMostPeople &&
-                           (id == presenter_ || std::ranges::find(now.people, presenter_, &Person::id) !=
-                                                    now.people.end()));
+        const size_t room =
+            kMostPeople - (presenter_ != 0 && id != presenter_ ? 1 : 0); // the presenter's place is kept
+        const bool told =
+            now.people.size() < room ||
+            (now.people.size() < kMostPeople &&
+             (id == presenter_ || std::ranges::find(now.people, presenter_, &Person::id) != now.people.end()));
         if (told) now.people.push_back(entries_.at(id).person);
     }
     return now;

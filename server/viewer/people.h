@@ -34,7 +34,7 @@ struct PointingRay {
 struct Presence {
     std::string name; // personName()'s; empty: it has chosen none
     std::optional<PointingRay> pointer;
-    uint32_t follow = 0; // id of the person whose camera it wants; 0: its own
+    uint32_t follow = 0;  // id of the person whose camera it wants; 0: its own
     bool cameras = false; // True: it wants to know where others look from
 };
 

@@ -229,6 +229,19 @@ std::vector<Example> makeExamples() {
                                             uint32_t(jpeg.size()), 2.5f, &emission, &cold_albedo);
         },
         jpeg));
+    all.push_back(example("presence", [&](Builder& b) {
+        const Ray pointer(v, to_light);
+        return CreatePresenceDirect(b, "Zo\xc3\xab", &pointer, 3, true);
+    }));
+    all.push_back(example("presence_of_nobody", [](Builder& b) { return CreatePresence(b); }));
+    all.push_back(example("lead", [](Builder& b) { return CreateLead(b, 3); }));
+    all.push_back(example("people", [&](Builder& b) {
+        const Look look(v, turned, 0.75f, 0.5f);
+        const std::vector<flatbuffers::Offset<Person>> people{
+            CreatePersonDirect(b, 3, "ann", true, 0xe69f00, Role::presenter, 0, &look, &to_light),
+            CreatePersonDirect(b, 4, "<b>bob</b>", false, 0x56b4e9, Role::viewer, 3)};
+        return CreatePeopleDirect(b, &people, 70, 3);
+    }));
     return all;
 }
 

@@ -271,6 +271,35 @@ Json of(const Frame& m) {
     return out;
 }
 
+Json of(const Presence& m) {
+    Json out = Json::object({{"name", text(m.name())}, {"follow", m.follow()}, {"cameras", m.cameras()}});
+    if (const Ray* ray = m.pointer())
+        out["pointer"] = {{"origin", vec(&ray->origin())}, {"direction", vec(&ray->direction())}};
+    return out;
+}
+
+Json of(const Lead& m) { return Json::object({{"person", m.person()}}); }
+
+Json of(const People& m) {
+    Json people = Json::array();
+    for (const Person* one : *m.people()) {
+        Json person = Json::object({{"id", one->id()},
+                                    {"name", text(one->name())},
+                                    {"known", one->known()},
+                                    {"colour", one->colour()},
+                                    {"role", EnumNameRole(one->role())},
+                                    {"follows", one->follows()}});
+        if (const Look* look = one->look())
+            person["look"] = {{"position", vec(&look->position())},
+                              {"orientation", quat(&look->orientation())},
+                              {"right", look->right()},
+                              {"up", look->up()}};
+        if (one->pointer()) person["pointer"] = vec(one->pointer());
+        people.push_back(std::move(person));
+    }
+    return Json::object({{"people", std::move(people)}, {"count", m.count()}, {"presenter", m.presenter()}});
+}
+
 Json of(const LitParticles& m) {
     Json hues = Json::array(), objects = Json::array();
     for (const Hue* hue : *m.hues()) hues.push_back({{"channels", hue->channels()}, {"extinction", hue->extinction()}});
@@ -362,6 +391,15 @@ Json describe(const Parsed& message) {
         break;
     case Body::LitParticles:
         body = of(*message.as<LitParticles>());
+        break;
+    case Body::Presence:
+        body = of(*message.as<Presence>());
+        break;
+    case Body::Lead:
+        body = of(*message.as<Lead>());
+        break;
+    case Body::People:
+        body = of(*message.as<People>());
         break;
     case Body::NONE:
         break;

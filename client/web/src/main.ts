@@ -296,7 +296,8 @@ function tellLack(): void {
   const standing = scene?.standstill !== undefined;
   if (standing || paused() || document.hidden || linkState !== 'connected') countedFrom = now;
   const seen = {
-    ...{ standing, paused: paused(), mayControl, touch: touchOnly(), frame, asked: size, limit },
+    ...{ standing, paused: paused(), mayControl, touch: touchOnly(), frame, limit },
+    asked: frame && frame.follows !== 0 ? frame : size, // who follows has the size of another's pictures
     ...(scene?.preparing !== undefined ? { preparing: scene.preparing } : {}),
     relaxed: scene?.plan?.relaxed ?? 0,
     rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,

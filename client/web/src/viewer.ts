@@ -364,7 +364,7 @@ export class Viewer {
 
   // Larger pictures than the one asked for are late ones of before, and say nothing of it.
   private followSpeed(frame: Frame): void {
-    if (this.wishes.cap || this.headset || frame.width > this.size.width) return;
+    if (this.wishes.cap || this.headset || frame.follows !== 0 || frame.width > this.size.width) return;
     const answer = {
       serverMs: frame.stages.render + frame.stages.encode,
       relaxed: this.scene?.plan?.relaxed ?? 0,

@@ -13,13 +13,16 @@ import { Goodbye } from '../src/wire/brume/wire/goodbye';
 import { Hello } from '../src/wire/brume/wire/hello';
 import { Impulse } from '../src/wire/brume/wire/impulse';
 import { Input } from '../src/wire/brume/wire/input';
+import { Lead } from '../src/wire/brume/wire/lead';
 import { LitParticles } from '../src/wire/brume/wire/lit-particles';
 import { Message } from '../src/wire/brume/wire/message';
 import { MoveVolume } from '../src/wire/brume/wire/move-volume';
 import { ObjectKind } from '../src/wire/brume/wire/object-kind';
+import { People } from '../src/wire/brume/wire/people';
 import { Ping } from '../src/wire/brume/wire/ping';
 import { Pong } from '../src/wire/brume/wire/pong';
 import { Pose } from '../src/wire/brume/wire/pose';
+import { Presence } from '../src/wire/brume/wire/presence';
 import { Remove } from '../src/wire/brume/wire/remove';
 import { Restart } from '../src/wire/brume/wire/restart';
 import { Role } from '../src/wire/brume/wire/role';
@@ -53,11 +56,14 @@ const tables: { [type: string]: new () => object } = {
     Hello,
     Impulse,
     Input,
+    Lead,
     LitParticles,
     MoveVolume,
+    People,
     Ping,
     Pong,
     Pose,
+    Presence,
     Remove,
     Restart,
     SceneState,
@@ -84,6 +90,7 @@ const LISTS = [
   'phase',
   'hues',
   'objects',
+  'people',
 ];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
@@ -96,7 +103,8 @@ function read(table: object, like: Fields): Fields {
     if (key === 'command_type') out[key] = CommandType[call(name) as number] ?? null;
     else if (key === 'encoding') out[key] = Encoding[call(name) as number] ?? null;
     else if (key === 'kind') out[key] = ('yaw' in like ? ObjectKind : SettingKind)[call(name) as number] ?? null;
-    else if (key === 'least_role') out[key] = Role[call(name) as number] ?? null;
+    else if (key === 'least_role' || (key === 'role' && typeof value === 'string'))
+      out[key] = Role[call(name) as number] ?? null;
     else if (key === 'code') out[key] = ErrorCode[call(name) as number] ?? null;
     else if (key === 'command') {
       const Table = tables[like['command_type'] as string];

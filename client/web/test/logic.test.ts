@@ -1,4 +1,4 @@
-import { mayControl, mayOperate, roleOf, tokenIn } from '../src/role';
+import { mayControl, mayOperate, mayPush, roleOf, tokenIn } from '../src/role';
 import { describe, expect, test } from 'vitest';
 import { Backoff } from '../src/backoff';
 import { fromAngles, fromHex, joinIrradiance, splitIrradiance, toAngles, toHex, toLinear, toSrgb } from '../src/colour';
@@ -291,8 +291,11 @@ describe('token and role', () => {
   });
 
   test('a role allows what it is for, and one that is not known only looks', () => {
-    expect([1, 2, 3, 0, 4].map(roleOf)).toEqual(['viewer', 'controller', 'operator', 'viewer', 'viewer']);
-    expect((['viewer', 'controller', 'operator'] as const).map(mayControl)).toEqual([false, true, true]);
-    expect((['viewer', 'controller', 'operator'] as const).map(mayOperate)).toEqual([false, false, true]);
+    const order = ['viewer', 'pusher', 'controller', 'presenter', 'operator'] as const;
+    expect([1, 4, 2, 5, 3].map(roleOf)).toEqual(order);
+    expect([0, 6].map(roleOf)).toEqual(['viewer', 'viewer']);
+    expect(order.map(mayPush)).toEqual([false, true, true, true, true]);
+    expect(order.map(mayControl)).toEqual([false, false, true, true, true]);
+    expect(order.map(mayOperate)).toEqual([false, false, false, false, true]);
   });
 });

@@ -71,6 +71,7 @@ describe('decode', () => {
       starts: [],
       scenes: [],
       medium: '',
+      people: false, // as from a server before there were people
       lists: [],
       resume: '',
       role: 'operator', // as before there were roles
@@ -162,6 +163,7 @@ describe('decode', () => {
       clientTimeUs: BigInt(b['client_time_us'] as string),
       ...present(b, { id: 'id', poseSeq: 'pose_seq', width: 'width', height: 'height', quality: 'quality' }),
       ...present(b, { stages: 'stages', position: 'position', orientation: 'orientation', fovY: 'fov_y' }),
+      follows: 0,
       frusta: [b['frustum'], b['right_frustum']].filter((frustum) => frustum !== undefined),
     });
     expect(jpeg.map((view) => Buffer.from(view).toString('hex'))).toEqual(examples[name]?.jpeg);
