@@ -62,7 +62,11 @@ Endpoint parseLikeBrowser(std::string_view url) {
     std::string socket(url.substr(0, url.find_first_of("?#")));
     if (isPage(url)) socket.replace(0, 4, "ws");
     Endpoint endpoint = parse(socket, socket.starts_with("wss:") ? 443 : 80);
-    if (isPage(url)) endpoint.path.replace(endpoint.path.rfind('/') + 1, std::string::npos, "ws");
+    if (!isPage(url)) return endpoint;
+    // A last part without a dot is a folder whose slash was left out: https://host/clouds/brume.
+    const std::string last = endpoint.path.substr(endpoint.path.rfind('/') + 1);
+    if (!last.empty() && last != "ws" && last.find('.') == last.npos) endpoint.path += '/';
+    endpoint.path.replace(endpoint.path.rfind('/') + 1, std::string::npos, "ws");
     return endpoint;
 }
 

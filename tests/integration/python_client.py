@@ -324,6 +324,11 @@ class Alone(Serving):
             with self.assertRaisesRegex(brume.BrumeError, 'no connection|lost'):
                 view.frame(after=10 ** 9)
 
+    def test_the_socket_is_beside_the_page_below_whatever_prefix(self):
+        for page in ('https://host/clouds/brume', 'https://host/clouds/brume/', 'https://host/clouds/brume/embed.html',
+                     'wss://host/clouds/brume/ws'):
+            self.assertEqual(brume.link.socket_address(page), 'wss://host/clouds/brume/ws')
+
     def test_nobody_there_and_no_address(self):
         with self.assertRaisesRegex(brume.BrumeError, 'no connection to ws://127.0.0.1:1/ws'):
             brume.connect('http://127.0.0.1:1')

@@ -46,6 +46,9 @@ TEST(Endpoint, UrlsOfEveryShape) {
     EXPECT_EQ(parseUrl("http://127.0.0.1:8080").url(), "ws://127.0.0.1:8080/ws");
     EXPECT_EQ(parseUrl("https://cloud.example:81/show/?eyes=side").url(), "wss://cloud.example:81/show/ws");
     EXPECT_EQ(parseUrl("http://cloud.example/").url(), "ws://cloud.example:80/ws");
+    for (const char* page : {"https://cloud.example/clouds/brume/", "https://cloud.example/clouds/brume",
+                             "https://cloud.example/clouds/brume/embed.html?controls=none"})
+        EXPECT_EQ(parseUrl(page).url(), "wss://cloud.example:443/clouds/brume/ws") << page;
     for (const char* bad :
          {"", "cloud", "ftp://cloud", "http:/cloud", "http://a:0", "wss:/cloud", "ws://", "ws://:80", "ws://a:0",
           "ws://a:65536", "ws://a:8x", "ws://a:", "ws://[::1", "ws://[::1]80", "ws://a b", "ws://a\n"})

@@ -24,12 +24,17 @@ _HEADERS = 'additional_headers' if int(websockets.__version__.split('.')[0]) >= 
 
 
 def socket_address(url):
-    """The address of the socket beside a page: http://host:8080 gives ws://host:8080/ws."""
+    """The address of the socket beside a page: http://host:8080 gives ws://host:8080/ws.
+
+    A last part of a path without a dot is a folder: https://host/clouds/brume gives wss://host/clouds/brume/ws."""
     parts = urllib.parse.urlsplit(url if '://' in url else f'http://{url}')
     schemes = {'http': 'ws', 'https': 'wss', 'ws': 'ws', 'wss': 'wss'}
     if parts.scheme not in schemes or not parts.hostname:
         raise BrumeError(f'{url!r} is no address of a server: http://HOST:PORT or wss://HOST:PORT/ws')
-    path = parts.path if parts.path.endswith('/ws') else urllib.parse.urljoin(parts.path or '/', 'ws')
+    path = parts.path or '/'
+    if '.' not in path.rsplit('/', 1)[-1] and not path.endswith(('/', '/ws')):
+        path += '/'
+    path = path if path.endswith('/ws') else urllib.parse.urljoin(path, 'ws')
     return urllib.parse.urlunsplit((schemes[parts.scheme], parts.netloc, path, '', ''))
 
 

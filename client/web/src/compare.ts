@@ -1,4 +1,5 @@
 // Shows what the page draws beside the server's picture of the same camera, and their difference, in a dialog.
+import { beside } from './address';
 import { orientation, pivot } from './camera';
 import type { Camera } from './camera';
 import { el } from './dom';
@@ -57,7 +58,7 @@ async function snapshotOf(
     ...{ w: String(width), h: String(height) },
   });
   const headers = token === undefined ? {} : { Authorization: `Bearer ${token}` };
-  const answer = await fetch(new URL(`snapshot.png?${asked}`, location.href), { cache: 'no-store', headers });
+  const answer = await fetch(beside(location.href, `snapshot.png?${asked}`), { cache: 'no-store', headers });
   if (!answer.ok) throw new Error((await answer.text()).split('\n')[0] || `The server answered ${answer.status}.`);
   const bitmap = await createImageBitmap(await answer.blob(), {
     colorSpaceConversion: 'none',

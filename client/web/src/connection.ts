@@ -1,4 +1,5 @@
 // One WebSocket to the server: connects, says hello, reads messages, and connects again when the connection breaks.
+import { beside } from './address';
 import { Backoff } from './backoff';
 import { decode } from './decode';
 import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodePong, encodePose } from './encode';
@@ -343,7 +344,7 @@ const blockedRefusal = (): { refusal: Refusal; text: string } => ({
 // `source`, wherever a proxy has put it; over TLS if that page comes over TLS.
 export function socketAddress(source: string, token: string | undefined): string {
   const named = new URL(source, location.href);
-  const address = /^wss?:$/.test(named.protocol) ? named : new URL('ws', named);
+  const address = /^wss?:$/.test(named.protocol) ? named : beside(named, 'ws');
   address.protocol = address.protocol.replace('http', 'ws');
   address.search = address.hash = '';
   if (token !== undefined) address.searchParams.set('token', token);

@@ -1,12 +1,13 @@
 // The tab's camera, kept while its page is loaded again.
+import { keptNames } from './address';
 import type { Camera } from './camera';
 import { cameraFrom, cameraText } from './move';
 
-const KEY = 'brume-camera';
+const nameHere = (): string => keptNames('brume-camera', location.pathname)[0];
 
 export function keepCamera(scene: string, camera: Camera): void {
   try {
-    sessionStorage.setItem(KEY, JSON.stringify({ scene, at: cameraText(camera) }));
+    sessionStorage.setItem(nameHere(), JSON.stringify({ scene, at: cameraText(camera) }));
   } catch {
     // Without storage the camera is lost when the page is loaded again.
   }
@@ -18,7 +19,7 @@ export function keptCamera(): { camera: Camera; scene: string } | undefined {
   const [entry] = performance.getEntriesByType('navigation') as PerformanceNavigationTiming[];
   if (entry?.type !== 'reload' && entry?.type !== 'back_forward') return undefined;
   try {
-    const kept = JSON.parse(sessionStorage.getItem(KEY) ?? '{}') as { scene?: unknown; at?: unknown };
+    const kept = JSON.parse(sessionStorage.getItem(nameHere()) ?? '{}') as { scene?: unknown; at?: unknown };
     const camera = typeof kept.at === 'string' ? cameraFrom(kept.at) : undefined;
     return camera && typeof kept.scene === 'string' ? { camera, scene: kept.scene } : undefined;
   } catch {

@@ -1,4 +1,5 @@
 // How a viewer moves to the page of another server, when its own stops: with its settings, its token and its camera.
+import { beside, withSlash } from './address';
 import { look, move, zoom } from './camera';
 import type { Camera } from './camera';
 
@@ -17,7 +18,7 @@ export function pageOf(goTo: string, here: string): string | undefined {
   if (/^wss?:$/.test(page.protocol)) {
     page = new URL(page.href.replace(/^ws/, 'http'));
     page.pathname = page.pathname.replace(/[^/]*$/, '');
-  }
+  } else if (page.protocol.startsWith('http')) page = withSlash(page);
   const secure = /^(https|wss):/.test(here);
   if (page.protocol !== 'https:' && (page.protocol !== 'http:' || secure)) return undefined;
   return page.href;
@@ -25,7 +26,7 @@ export function pageOf(goTo: string, here: string): string | undefined {
 
 // True if a server answers at that page. Browsers do not let this page read the answer itself.
 export const answers = (page: string): Promise<boolean> =>
-  fetch(new URL('healthz', page), { mode: 'no-cors', cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) }).then(
+  fetch(beside(page, 'healthz'), { mode: 'no-cors', cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) }).then(
     () => true,
     () => false,
   );

@@ -1,4 +1,5 @@
 // The viewer's token, and what its role allows.
+import { keptNames } from './address';
 import { Role as WireRole } from './wire/brume/wire/role';
 
 export type Role = 'viewer' | 'pusher' | 'controller' | 'presenter' | 'operator';
@@ -20,21 +21,21 @@ export const mayPush = (role: Role): boolean => role !== 'viewer';
 export const mayControl = (role: Role): boolean => atLeast(role, 'controller');
 export const mayOperate = (role: Role): boolean => role === 'operator';
 
-const KEY = 'brume-token';
-
 // The token in a fragment such as '#token=abc'; undefined in any other.
 export function tokenIn(fragment: string): string | undefined {
   return new URLSearchParams(fragment.replace(/^#/, '')).get('token') ?? undefined;
 }
 
 // The token of the page's address or, after a reload, of this tab. Browsers do not send a fragment, so no server logs
-// it. It is removed from the address bar at once, so that nobody copies it with the address.
+// it. It is removed from the address bar at once, so that nobody copies it with the address. A page without one
+// has that of a page above it in the same tab: /r/NAME/ that of /.
 export function takeToken(): string | undefined {
   const given = tokenIn(location.hash);
+  const names = keptNames('brume-token', location.pathname);
   try {
-    if (given !== undefined) sessionStorage.setItem(KEY, given);
-    const kept = given ?? sessionStorage.getItem(KEY) ?? undefined;
-    return kept === '' ? undefined : kept;
+    if (given !== undefined) sessionStorage.setItem(names[0], given);
+    const kept = given ?? names.map((name) => sessionStorage.getItem(name)).find((token) => token !== null);
+    return kept ? kept : undefined;
   } catch {
     return given; // without storage the token is lost when the page is loaded again
   } finally {

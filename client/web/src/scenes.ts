@@ -1,5 +1,6 @@
 // Another scene for everyone: by its name, or a file that this viewer has (PLY, NRRD); and what is shown now
 // as a file. Over HTTP, with the token of the page.
+import { beside } from './address';
 import type { Camera } from './camera';
 import { placeText } from './place';
 
@@ -60,7 +61,7 @@ export class Scenes {
     const headers = this.token === undefined ? {} : { Authorization: `Bearer ${this.token}` };
     let answer: Response;
     try {
-      answer = await fetch(new URL(address, this.page), { cache: 'no-store', headers, ...request });
+      answer = await fetch(beside(this.page, address), { cache: 'no-store', headers, ...request });
     } catch {
       throw new Error('The server did not answer: is the connection there, and the file not too large for it?');
     }

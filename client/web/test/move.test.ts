@@ -10,6 +10,8 @@ describe('where a goodbye sends', () => {
     expect(pageOf('http://next.example:81', here)).toBe('http://next.example:81/');
     expect(pageOf('wss://next.example/show/ws', here)).toBe('https://next.example/show/');
     expect(pageOf('ws://[::1]:81', here)).toBe('http://[::1]:81/');
+    expect(pageOf('wss://next.example/clouds/brume/ws', here)).toBe('https://next.example/clouds/brume/');
+    expect(pageOf('https://next.example/clouds/brume?a', here)).toBe('https://next.example/clouds/brume/?a');
   });
 
   test('is nothing but the web, and never without TLS from where there is', () => {
