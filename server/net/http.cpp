@@ -34,6 +34,14 @@ std::string_view pathOf(const HttpRequest& request) {
     return target.substr(0, target.find('?'));
 }
 
+constexpr char kUpgradeLost[] = "the proxy in front of this server does not pass WebSockets on: see docs/deploy.md";
+
+// True for a WebSocket's handshake that a proxy has passed on as a plain request: without the headers that belong to
+// one connection alone (RFC 9110, 7.6.1), with those that do not.
+bool lostItsUpgrade(const HttpRequest& request) {
+    return request.count(http::field::sec_websocket_key) > 0 && !beast::websocket::is_upgrade(request);
+}
+
 // What a browser asks before it lets a page of another origin ask: the methods of this path.
 Reply preflight(const Route* route) {
     const std::string methods(route ? route->methods : "GET, HEAD");
@@ -148,6 +156,11 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     const std::string_view path = pathOf(request), query = target.substr(std::min(path.size() + 1, target.size()));
 
     const Route* const route = routeOf(path);
+    if (path == "/ws" && lostItsUpgrade(request)) {
+        context_->metrics.refused("upgrade");
+        context_->log.write(spdlog::level::warn, slot_->network(),
+                            fmt::format("{}: {}", slot_->address(), kUpgradeLost));
+    }
     const Role* const least = route && route->least ? &*route->least : nullptr; // null: it shows nothing of the scene
     if (auto stranger = foreign(request, least != nullptr, context_->options)) {
         context_->metrics.refused(stranger->reason);
@@ -239,7 +252,9 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
 asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
     Reply refusal;
     if (!beast::websocket::is_upgrade(request)) {
-        refusal = lineReply(426, "this is a WebSocket: connect with ws://, subprotocol brume.v1");
+        refusal = lineReply(426, lostItsUpgrade(request)
+                                     ? kUpgradeLost
+                                     : "this is a WebSocket: connect with ws://, subprotocol brume.v1");
         refusal.headers = {{"Upgrade", "websocket"}};
     } else if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(wire::kSubprotocol)) {
         refusal = lineReply(400, "the WebSocket subprotocol brume.v1 is needed");

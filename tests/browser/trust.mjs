@@ -275,7 +275,7 @@ async function proxyTo(t, target, upgrades) {
 
 describe("a proxy that changes what it passes on", () => {
   for (const [what, upgrades, said] of [
-    ["the host", true, /--allow-origin/],
+    ["the host", true, /does not pass the Host header/],
     ["no WebSockets", false, /does not pass WebSockets on/],
   ])
     test(`${what}: the page says so`, async (t) => {

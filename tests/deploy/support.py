@@ -52,9 +52,9 @@ def free_ports(count, run_of=1):
     return found
 
 
-def get(url, headers=(), timeout=10):
+def get(url, headers=(), timeout=10, method='GET', data=None):
     """(status, headers, body), whatever the status; status 0: nobody answers."""
-    request = urllib.request.Request(url, headers=dict(headers))
+    request = urllib.request.Request(url, headers=dict(headers), method=method, data=data)
     try:
         with urllib.request.urlopen(request, timeout=timeout) as answer:
             return answer.status, answer.headers, answer.read()

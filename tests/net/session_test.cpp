@@ -48,6 +48,14 @@ TEST_F(SessionTest, UpgradesThatCannotBeAreToldWhy) {
     EXPECT_EQ(plain.header("Upgrade"), "websocket");
     EXPECT_NE(plain.body.find("brume.v1"), std::string::npos);
 
+    // What a proxy leaves of a handshake when it passes on no headers of one connection.
+    Socket lost(port);
+    lost.send("GET /ws HTTP/1.0\r\nHost: 127.0.0.1\r\nConnection: close\r\nSec-WebSocket-Version: 13\r\n"
+              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: brume.v1\r\n\r\n");
+    const HttpAnswer told = readAnswer(lost);
+    EXPECT_EQ(told.status, 426);
+    EXPECT_EQ(told.body, "the proxy in front of this server does not pass WebSockets on: see docs/deploy.md\n");
+
     const WsClient none(port, 0, ""), other(port, 0, "Sec-WebSocket-Protocol: brume.v2, chat\r\n");
     EXPECT_EQ(none.handshake.status, 400);
     EXPECT_EQ(other.handshake.status, 400);

@@ -9,7 +9,8 @@ import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from 
 
 export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token';
 
-// `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way.
+// `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way, Infinity if none
+// comes by itself.
 export type LinkState =
   | { name: 'connecting' }
   | { name: 'connected'; welcome: Welcome }
@@ -38,6 +39,8 @@ const ERROR_FULL = 5;
 // After so many handshakes that a healthy server refused, the page says that its version is outdated. Fewer may be a
 // gateway that has not noticed yet that one of its servers is gone.
 const DECLINED_LIMIT = 4;
+// After so many a page that never was connected gives up: no time mends a proxy that passes no WebSockets on.
+const HOPELESS_LIMIT = 6;
 const TOKEN_WAIT_S = 30; // another token comes with a new address of the page
 
 export const nowUs = (): bigint => BigInt(Math.round(performance.now() * 1000));
@@ -54,6 +57,7 @@ export class Connection {
   private openedAt = 0;
   private declined = 0;
   private askedWait = 0;
+  private hopeless = false; // true: no try comes by itself
   private goTo: string | undefined; // page that the last goodbye named
   private parting: { refusal?: Refusal; text: string } | undefined;
   private timer: number | undefined;
@@ -157,6 +161,7 @@ export class Connection {
     this.welcomed = false;
     this.parting = undefined;
     this.askedWait = 0;
+    this.hopeless = false;
     this.inputSeq = 0;
     this.poseSeq = 0;
     this.openedAt = this.heardAt = performance.now();
@@ -259,9 +264,12 @@ export class Connection {
     if (refusal) {
       this.parting = { refusal, text };
       this.askedWait = TOKEN_WAIT_S;
+      this.hopeless = refusal === 'blocked' && !this.everWelcomed;
     } else if (this.declined >= DECLINED_LIMIT) {
-      this.parting = text.includes(SUBPROTOCOL) ? blockedRefusal() : versionRefusal();
+      this.parting = text.includes(SUBPROTOCOL) ? blockedRefusal('WebSockets') : versionRefusal();
       this.askedWait = 5;
+      const blocked = this.parting.refusal === 'blocked';
+      this.hopeless = blocked && !this.everWelcomed && this.declined >= HOPELESS_LIMIT;
     }
     this.ended();
   }
@@ -282,7 +290,14 @@ export class Connection {
       try {
         const answer = await this.ask(new URL(this.url), method);
         const text = (await answer.text()).split('\n')[0]?.slice(0, 300) ?? '';
-        if (answer.headers.get('brume-refused') === 'origin') return { ...said, refusal: 'origin', text };
+        if (answer.headers.get('brume-refused') === 'origin') {
+          // The server takes its own page for that of another site: it was asked by another name.
+          const own = new URL(this.url).host === location.host;
+          return {
+            ...said,
+            ...(own ? blockedRefusal('the Host header (nor, perhaps, WebSockets)') : { refusal: 'origin', text }),
+          };
+        }
         if (method === 'OPTIONS') continue;
         if (answer.status === 401 || answer.status === 403) return { ...said, refusal: 'token', text };
         return { there: answer.status < 500, text };
@@ -299,10 +314,10 @@ export class Connection {
 
   private ended(): void {
     this.welcomed = false;
-    const wait = this.backoff.next(this.askedWait);
-    const retryAt = performance.now() + wait * 1000;
-    this.timer = window.setTimeout(() => this.retryNow(), wait * 1000);
     const parting = this.parting;
+    const wait = this.hopeless ? Infinity : this.backoff.next(this.askedWait);
+    const retryAt = performance.now() + wait * 1000;
+    if (!this.hopeless) this.timer = window.setTimeout(() => this.retryNow(), wait * 1000);
     if (parting?.refusal) {
       this.setState({ name: 'refused', refusal: parting.refusal, text: parting.text, retryAt });
     } else {
@@ -315,7 +330,7 @@ export class Connection {
   // page that nobody saw are late: a connection may have died unnoticed.
   hurry(): void {
     if (this.socket) this.tick(this.socket);
-    if (this.state.name === 'reconnecting' && this.askedWait === 0) this.retryNow();
+    if (this.hopeless || (this.state.name === 'reconnecting' && this.askedWait === 0)) this.retryNow();
   }
 
   private leave(reason: string): void {
@@ -335,9 +350,9 @@ const versionRefusal = (): { refusal: Refusal; text: string } => ({
   text: 'The server turned this page away.',
 });
 
-const blockedRefusal = (): { refusal: Refusal; text: string } => ({
+const blockedRefusal = (what: string): { refusal: Refusal; text: string } => ({
   refusal: 'blocked',
-  text: 'Something on the way, perhaps a proxy, does not pass WebSockets on.',
+  text: `The proxy in front of this server does not pass ${what} on: see docs/deploy.md.`,
 });
 
 // The address of a server's socket: `source` itself where it is a socket's (ws: or wss:), else "ws" beside the page

@@ -20,9 +20,9 @@ const REFUSALS = {
     status: 'Other version',
   },
   blocked: {
-    title: 'WebSockets do not get through',
-    text: 'Something between this page and the server, perhaps a proxy, does not pass WebSockets on.',
-    status: 'No WebSocket',
+    title: 'The server is there, but out of reach',
+    text: 'The proxy in front of it does not pass WebSockets on.',
+    status: 'Proxy',
   },
   origin: {
     title: 'The server does not know this page',
@@ -125,7 +125,7 @@ export class Notices {
         const refusal = REFUSALS[state.refusal];
         this.retryAt = state.retryAt;
         this.show('refused', refusal.status);
-        const tells = ['goodbye', 'token', 'origin'].includes(state.refusal);
+        const tells = ['goodbye', 'token', 'origin', 'blocked'].includes(state.refusal);
         const own = tells && state.text ? sentence(state.text) : refusal.text;
         this.draw(refusal.title, own, state.refusal === 'version' ? 'Load again' : 'Try now');
         break;
@@ -158,9 +158,10 @@ export class Notices {
   private count(): void {
     const left = this.retryAt === undefined ? undefined : Math.ceil((this.retryAt - performance.now()) / 1000);
     const trying = this.shown.name === 'reconnecting' || this.shown.name === 'refused';
-    const line = left !== undefined && left > 0 ? `Trying again in ${left} s` : trying ? 'Trying again…' : '';
+    const counted = left !== undefined && left > 0 && left < Infinity;
+    const line = counted ? `Trying again in ${left} s` : trying && left !== Infinity ? 'Trying again…' : '';
     setText(this.wait, line);
     this.wait.hidden = line === '';
-    setText(this.statusWait, left !== undefined && left > 1 ? `in ${left} s` : '');
+    setText(this.statusWait, counted && left > 1 ? `in ${left} s` : '');
   }
 }

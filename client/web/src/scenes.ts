@@ -66,8 +66,12 @@ export class Scenes {
       throw new Error('The server did not answer: is the connection there, and the file not too large for it?');
     }
     const text = (await answer.text()).trim();
-    if (!answer.ok) throw new Error(text.split('\n')[0] || `The server answered ${answer.status}.`);
-    return text;
+    if (answer.ok) return text;
+    // The server's own refusals are plain text; a page of HTML is a proxy's.
+    const own = answer.headers.get('content-type')?.startsWith('text/plain') ?? false;
+    if (!own && answer.status === 413)
+      throw new Error('The proxy in front of this server takes no file so large: see docs/deploy.md.');
+    throw new Error((own && text.split('\n')[0]) || `The server answered ${answer.status}.`);
   }
 }
 

@@ -33,6 +33,7 @@ function goodbye(goTo: string): ArrayBuffer {
 
 describe('a connection', () => {
   const told: string[] = [];
+  let lastText = '';
   let ending: AbortController;
   const connect = (): Connection => {
     const hello = () => ({ client: 'test', width: 64, height: 64, quality: 0 });
@@ -40,7 +41,10 @@ describe('a connection', () => {
       'ws://server.example/ws',
       {
         hello,
-        state: ({ name }) => told.push(name),
+        state: (state) => {
+          told.push(state.name);
+          if (state.name === 'refused') lastText = state.text;
+        },
         message: () => undefined,
         roundTrip: () => undefined,
         moved: (page) => told.push(page),
@@ -89,6 +93,57 @@ describe('a connection', () => {
       for (const socket of sockets.slice(0, -1)) socket.closed = true;
     }
     expect(vi.getTimerCount()).toBe(1); // the clock of the newest
+  });
+
+  // A proxy with its bare defaults: the socket fails, and a plain request reaches a server that wants an upgrade.
+  const behindProxy = (refused: string | undefined): void => {
+    vi.stubGlobal('location', new URL('http://server.example/'));
+    vi.stubGlobal('fetch', (address: string, { method }: RequestInit) => {
+      if (address.endsWith('healthz')) return Promise.resolve(new Response('ok\n'));
+      if (method === 'OPTIONS' && refused)
+        return Promise.resolve(new Response('', { status: 403, headers: { 'Brume-Refused': refused } }));
+      if (method === 'OPTIONS') return Promise.resolve(new Response(null, { status: 204 }));
+      return Promise.resolve(new Response('this is a WebSocket: subprotocol brume.v1\n', { status: 426 }));
+    });
+  };
+  const declinedUntilRefused = async (): Promise<number> => {
+    for (let tries = 1; ; ++tries) {
+      sockets.at(-1)?.onclose();
+      if (sockets.at(-1)) (sockets.at(-1) as FakeSocket).closed = true;
+      await vi.advanceTimersByTimeAsync(1000);
+      if (told.at(-1) === 'refused' || tries === 20) return tries;
+    }
+  };
+
+  test('behind a proxy without WebSockets is refused soon, and is not tried for ever', async () => {
+    behindProxy(undefined);
+    connect();
+    expect(await declinedUntilRefused()).toBeLessThan(6);
+    expect(lastText).toBe('The proxy in front of this server does not pass WebSockets on: see docs/deploy.md.');
+    for (let more = 0; more < 2; ++more) {
+      await vi.advanceTimersByTimeAsync(7000);
+      sockets.at(-1)?.onclose();
+    }
+    await vi.advanceTimersByTimeAsync(0);
+    const tries = sockets.length;
+    await vi.advanceTimersByTimeAsync(3600_000);
+    expect(sockets.length).toBe(tries);
+    document.dispatchEvent(new Event('visibilitychange')); // somebody looks: one more try
+    expect(sockets.length).toBe(tries + 1);
+    sockets.at(-1)?.onclose();
+    await vi.advanceTimersByTimeAsync(3600_000);
+    expect(told.at(-1)).toBe('refused');
+    expect(sockets.length).toBe(tries + 1);
+    expect(vi.getTimerCount()).toBe(0);
+  });
+
+  test('behind a proxy that names another host says so at once', async () => {
+    behindProxy('origin');
+    connect();
+    expect(await declinedUntilRefused()).toBe(1);
+    expect(lastText).toMatch(/does not pass the Host header \(nor, perhaps, WebSockets\) on: see docs/);
+    await vi.advanceTimersByTimeAsync(3600_000);
+    expect(sockets.length).toBe(1);
   });
 
   test('that looks for the next server asks again at every look, and is one connection after that', async () => {
