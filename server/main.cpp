@@ -1,11 +1,9 @@
 // brume-server: owns everything, starts it in order, waits for a signal or a failure, and stops it in the opposite
 // order.
-#include <algorithm>
-#include <atomic>
-#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <stdexcept>
 
@@ -14,20 +12,18 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include "common/scene_text.h"
 #include "protocol/net/address.h"
-#include "server/cluster/node.h"
 #include "server/compile/ahead.h"
 #include "server/ending.h"
 #include "server/last_line.h"
 #include "server/net/server.h"
 #include "server/operate/log.h"
-#include "server/operate/recorder.h"
 #include "server/operate/replay.h"
 #include "server/operate/replay_ticks.h"
 #include "server/options/options.h"
 #include "server/reload.h"
-#include "server/scene_thread.h"
+#include "server/room.h"
+#include "server/room_keeper.h"
 #include "server/sim/point_cloud.h"
 
 namespace {
@@ -35,7 +31,6 @@ namespace {
 using namespace brume;
 
 constexpr std::chrono::milliseconds kEndsWithin{1500}; // once all connections are closed
-constexpr const char* kOneOfSeveral = "one of several servers: all show the scene that their log began with";
 
 std::string address(const net::NetOptions& options, uint16_t port) {
     const std::string host =
@@ -64,38 +59,13 @@ std::string explained(const Scene& scene, const CostModel& costs) {
     return explain(makePlan(inputs, costs), inputs, costs);
 }
 
-// Null: nothing is recorded. `first_tick`: of the state that it begins with; not 0 where that came from elsewhere.
-std::unique_ptr<Recorder> recorderOf(const ServerOptions& options, const Scene& scene, const gpu::Device& device,
-                                     uint64_t first_tick) {
-    if (options.record.empty()) return nullptr;
-    const std::filesystem::path file = findScene(options.scene, options.scene_dir);
-    RecordingHead head = recordingHead(file, scene, sceneOverrides(options));
-    head.tick = first_tick;
-    head.joined = first_tick > 0;
-    return std::make_unique<Recorder>(
-        Recorder::Options{options.record, uint64_t{options.record_limit} << 20, options.frames}, head, scene, device);
-}
-
-// Null: this server is alone.
-std::unique_ptr<cluster::Node> nodeOf(const ServerOptions& options, const Scene& scene, Audience& audience) {
-    if (options.cluster.engine.servers.empty()) return nullptr;
-    cluster::ClusterOptions cluster = options.cluster;
-    if (std::string& log = cluster.engine.log; log.empty()) {
-        log = scene.name;
-        std::ranges::replace_if(
-            log, [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; }, '_');
-    }
-    return std::make_unique<cluster::Node>(cluster, scene, sceneText(findScene(options.scene, options.scene_dir)),
-                                           sceneOverrides(options), options.frame.memory, audience);
-}
-
 // /readyz fails, all else goes on until the time is over or the frame loop fails. Another signal to end is obeyed at
 // once.
 void drain(NetServer& network, Audience& audience, std::chrono::milliseconds time, const sigset_t& signals,
-           const std::atomic<bool>& failed) {
+           const std::function<bool()>& failed) {
     network.drain();
     audience.ready = false;
-    if (time.count() == 0 || failed) return;
+    if (time.count() == 0 || failed()) return;
     spdlog::info("draining for {} ms: /readyz fails, frames go on", time.count());
     const auto deadline = Clock::now() + time;
     for (auto left = time; left.count() > 0;
@@ -103,7 +73,7 @@ void drain(NetServer& network, Audience& audience, std::chrono::milliseconds tim
         const timespec wait{left.count() / 1000, left.count() % 1000 * 1'000'000};
         const int signal = ::sigtimedwait(&signals, nullptr, &wait);
         if (signal == SIGHUP) spdlog::warn("no reload: the server drains");
-        if (failed) return;
+        if (failed()) return;
         if (signal == SIGTERM || signal == SIGINT) std::_Exit(128 + signal);
     }
 }
@@ -114,7 +84,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const bool replayed = !options.replay.empty();
     const std::optional<RecordingExtent> recording =
         replayed ? std::optional<RecordingExtent>(options.replay) : std::nullopt;
-    const Scene scene = replayed ? sceneOf(recording->head) : loadScene(options);
+    Scene scene = replayed ? sceneOf(recording->head) : loadScene(options);
     const gpu::Device device(options.device);
     const CostModel costs = costsOf(options, device);
     if (options.explain) {
@@ -122,75 +92,24 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         return;
     }
     if (options.ahead == "only") return compileAhead(scene, device, costs, options.frame.frame_ms, std::cout);
-    ServerFacts facts{device.name(), {kAutoMethod}};
-    for (const std::string& method : methodNames()) facts.methods.push_back(method);
-    const bool alone = options.cluster.engine.servers.empty() && !replayed;
-    Audience audience(facts, sceneFacts(scene, alone ? otherScenes(options) : std::vector<std::string>()),
-                      options.max_viewers, options.max_in_flight);
-    audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner, options.max_drawing_viewers);
-    audience.keepPlaceForOperators(!options.net.token_key.empty());
-    Metrics metrics;
-    const std::unique_ptr<cluster::Node> node = nodeOf(options, scene, audience);
-    if (node) metrics.collect([&] { return node->samples(); });
-    std::unique_ptr<Recorder> recorder =
-        replayed ? nullptr : recorderOf(options, scene, device, node ? node->firstTick() : 0);
-    FrameLoop::Options frame = options.frame;
-    frame.costs = costs;
-    if (frame.learn_costs && (costs.learnt || !costs.calibrated))
-        frame.on_costs = [file = costFile(options.costs, device.name(), device.driver()), &device](CostModel learnt) {
-            learnt.learnt = true;
-            try {
-                saveCosts(file, learnt, device.name(), device.driver());
-            } catch (const std::runtime_error& error) {
-                spdlog::debug("{}", error.what());
-            }
-        };
-    frame.compiled_behind = !replayed && options.ahead == "background" && isWorthCompiling(scene);
-    if (recorder || node)
-        frame.ticked = [&](const Simulation& s, std::span<const Command> commands, bool follows) {
-            if (recorder) recorder->ticked(s, commands, follows);
-            if (node) node->ticked(s);
-        };
-    if (recorder) {
-        frame.on_errors = [&](auto, std::span<const ViewError> errors, const Plan&) { recorder->measured(errors); };
-    }
-    std::unique_ptr<TickSource> ticks;
-    if (replayed) {
-        const auto control = std::make_shared<ReplayControl>(recording->head.tick, recording->last);
-        audience.setReplay(control);
-        auto replay = std::make_unique<ReplayTicks>(options.replay, control, Clock::now());
-        frame.ticked = [replay = replay.get()](const Simulation& s, auto, bool) { replay->check(s); };
-        ticks = std::move(replay);
-        frame.first_tick = recording->head.tick;
-    }
-    std::atomic<bool> stopping{false}, failed{false}, ended{false}; // outlive the loop's thread and the scenes'
     checkNetwork(options.net); // before shaders are compiled, which may take a minute
-    FrameLoop frames(scene, device, audience, metrics, frame);
-    NetServer network(options.net, audience, metrics);
-    if (node) {
-        network.setElsewhere([&] { return node->elsewhere(); });
-        ticks = node->ticks();
-    }
+    const auto failed = [] { ::kill(::getpid(), SIGTERM); };
+    DeviceTurns turns;
+    const SharedByRooms shared{device, costs, turns, argc, argv};
+    ServedRoom home("", options, shared, std::move(scene), recording ? &*recording : nullptr);
+    RoomKeeper rooms(options, shared, failed);
+    NetServer network(options.net, home.audience(), home.metrics());
+    if (cluster::Node* const node = home.node()) network.setElsewhere([node] { return node->elsewhere(); });
 
     network.start();
-    std::optional<SceneThread> scenes;
-    if (!replayed)
-        scenes.emplace(
-            options, scene,
-            SceneChanger::Server{
-                {argc, argv, frames, audience, device, costs}, recorder.get(), node ? kOneOfSeveral : nullptr, ended});
     ending.started(); // a loop that fails says so by SIGTERM
-    frames.start(
-        [&] {
-            failed = ended = true;
-            if (!stopping) ::kill(::getpid(), SIGTERM);
-        },
-        std::move(ticks));
-    if (node) node->start();
+    home.start(failed);
+    if (!replayed) rooms.serve(network.rooms());
     if (!std::filesystem::exists(options.net.web_root / "index.html"))
         spdlog::warn("no page in '{}': run ./dev build, or name its folder with --web-root",
                      options.net.web_root.string());
-    spdlog::info("scene '{}' on {}{}", scene.name, device.name(), device.hasMeshShaders() ? ", mesh shaders" : "");
+    spdlog::info("scene '{}' on {}{}", home.scene().name, device.name(),
+                 device.hasMeshShaders() ? ", mesh shaders" : "");
     if (options.net.token_key.empty() && options.open &&
         (!isLoopback(options.net.listen) || options.net.proxy_protocol))
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
@@ -200,30 +119,46 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;
 
     int signal = 0;
+    SceneThread* const scenes = home.scenes();
+    const auto eachScenes = [&](const auto& use) {
+        if (scenes) use(*scenes);
+        rooms.each([&](ServedRoom& room) { use(*room.scenes()); });
+    };
     while (sigwait(&signals, &signal) == 0 && (signal == SIGHUP || signal == SIGCHLD || signal == SIGUSR1)) {
         if (signal == SIGHUP && !scenes) spdlog::warn("no reload: this is a replay");
-        if (!scenes) continue;
-        if (signal == SIGHUP) reload(parsed, argc, argv, {audience, frames, *scenes, network});
-        if (signal == SIGUSR1) scenes->serveRequests();
-        if (signal == SIGCHLD) scenes->compileBehind();
+        if (signal == SIGHUP && scenes) reload(parsed, argc, argv, {home, rooms, network});
+        if (signal == SIGUSR1) eachScenes([](SceneThread& one) { one.serveRequests(); });
+        if (signal == SIGCHLD) eachScenes([](SceneThread& one) { one.compileBehind(); });
     }
-    if (node) node->drain();
-    drain(network, audience, options.drain, signals, failed);
+    const auto anyFailed = [&] {
+        bool any = home.failed();
+        rooms.each([&](ServedRoom& room) { any = any || room.failed(); });
+        return any;
+    };
+    const auto eachRoom = [&](const auto& use) {
+        use(home);
+        rooms.each(use);
+    };
+    rooms.end();
+    eachRoom([](ServedRoom& room) {
+        if (room.node()) room.node()->drain();
+    });
+    drain(network, home.audience(), options.drain, signals, anyFailed);
     spdlog::info("stopping");
-    stopping = true;
+    eachRoom([](ServedRoom& room) { room.willStop(); });
     std::signal(SIGUSR1, SIG_IGN); // no scene is shown any more
     std::signal(SIGTERM, SIG_DFL); // a second one ends the process at once
     std::signal(SIGINT, SIG_DFL);
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     network.stop(options.grace, options.drain_to);
     ending.within(kEndsWithin);
-    frames.stop();
-    ended = true;
-    recorder.reset(); // whole, whatever else goes on
+    eachRoom([](ServedRoom& room) { room.stop(); });
     try {
         if (device.validationMessages() > 0)
             throw gpu::Error("the validation layer had " + std::to_string(device.validationMessages()) + " messages");
-        if (frames.failure()) std::rethrow_exception(frames.failure());
+        eachRoom([](ServedRoom& room) {
+            if (room.frames().failure()) std::rethrow_exception(room.frames().failure());
+        });
     } catch (const std::exception& error) {
         ending.failed(lastLine(error));
         throw;

@@ -69,12 +69,17 @@ void reload(ParsedOptions& now, int argc, const char* const* argv, const Running
         } catch (const std::runtime_error& error) {
             spdlog::error("reload: new connections keep what held before: {}", error.what());
         }
-        running.audience.setMaxViewers(options.max_viewers, options.max_viewers_per_owner, options.max_drawing_viewers);
-        running.frames.setFrameBudget(options.frame.frame_ms);
+        const auto apply = [&](ServedRoom& room) {
+            room.audience().setMaxViewers(options.max_viewers, options.max_viewers_per_owner,
+                                          options.max_drawing_viewers);
+            room.frames().setFrameBudget(options.frame.frame_ms);
+        };
+        apply(running.home);
+        running.rooms.each(apply);
     }
     spdlog::info("reload: {} setting{} changed", changes, changes == 1 ? "" : "s");
     spdlog::set_level(spdlog::level::from_str(options.log_level));
-    running.scenes.reload(options);
+    running.home.scenes()->reload(options);
 }
 
 } // namespace brume

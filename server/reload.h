@@ -1,18 +1,16 @@
 // reload(): applies changed options while the server runs (SIGHUP).
 #pragma once
 
-#include "server/frame/frame_loop.h"
 #include "server/net/server.h"
 #include "server/options/options.h"
-#include "server/scene_thread.h"
+#include "server/room_keeper.h"
 
 namespace brume {
 
 // Parts of the running server that options change.
 struct Running {
-    Audience& audience;
-    FrameLoop& frames;
-    SceneThread& scenes;
+    ServedRoom& home; // which shows no replay
+    RoomKeeper& rooms;
     NetServer& network;
 };
 

@@ -33,6 +33,12 @@ FrameLoop::FrameLoop(const Scene& scene, const gpu::Device& device, Audience& au
       frame_ms_(options.frame_ms), law_factor_(options.law_factor), shown_(shownScene(scene, options)),
       drawing_(shown_, device, audience, metrics, options) {
     report(Clock::now()); // viewers who come before the first tick are told the scene's own settings
+    if (options.turns)
+        seat_.emplace(*options.turns, [this] {
+            const std::scoped_lock lock(mutex_);
+            turn_ = true;
+            wake_.notify_all();
+        });
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -80,11 +86,14 @@ void FrameLoop::run() {
             if (stopping_ && !drawing_.isBusy()) return;
         } else {
             std::unique_lock lock(mutex_);
-            if (wake_.wait_for(lock, until_tick, [&] { return stopping_; })) return;
+            wake_.wait_for(lock, until_tick, [&] { return stopping_ || turn_; });
+            if (stopping_) return;
+            turn_ = false;
         }
 
         if (!drawing_.isBusy()) takeScene();
         const Clock::time_point now = Clock::now();
+        if (seat_ && !drawing_.isBusy()) seat_->give(now);
         if (!drawing_.isBusy()) drawing_.giveBack(now);
         if (const auto beginning = ticks_->beginning()) goOnFrom(*beginning);
         const bool sought = ticks_->seeks();
@@ -96,13 +105,23 @@ void FrameLoop::run() {
         pointing_.follow(*shown_.scene, shown_.simulation, audience_.people());
         followTicks(sought);
         followLists();
-        if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands())) drawing_.draw();
+        if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands()) && mayDraw(now)) {
+            drawing_.draw();
+            if (seat_ && !drawing_.isBusy()) seat_->give(Clock::now()); // nothing was due
+        }
         if (now - told_.load_at >= kLoadEvery) {
             told_.load_at = now;
             drawing_.tellLoad(now);
         }
         if (told_.stale || now - told_.at >= kReportEvery) report(now);
     }
+}
+
+// A scene that nobody looks at does not ask for the device that others share.
+bool FrameLoop::mayDraw(Clock::time_point now) {
+    if (!seat_) return true;
+    const uint32_t watchers = audience_.size();
+    return watchers > 0 && seat_->take(watchers, now);
 }
 
 void FrameLoop::tick() {
@@ -127,7 +146,7 @@ void FrameLoop::tick() {
     metrics_.ticked(Millis(Clock::now() - begin).count());
     for (const Command& command : commands_)
         if (command.received != Clock::time_point()) metrics_.commandTaken(Millis(begin - command.received).count());
-    drawing_.setBudget(frame_ms_, law_factor_);
+    drawing_.setBudget(frame_ms_ * (seat_ ? seat_->part(begin) : 1), law_factor_);
     if (ticked_) ticked_(simulation, commands_, true);
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "server/frame/drawing.h"
+#include "server/loop/device_turns.h"
 #include "server/loop/pointing.h"
 #include "server/loop/tick_source.h"
 
@@ -54,6 +55,7 @@ public:
 
 private:
     void run();
+    bool mayDraw(Clock::time_point now);
     void tick();
     void tellRefused();
     void followTicks(bool sought);
@@ -86,12 +88,14 @@ private:
         Clock::time_point at{}, load_at{};
     } told_;
 
-    std::mutex mutex_; // guards the next four
+    std::mutex mutex_; // guards the next five
     std::condition_variable wake_;
     bool stopping_ = false;
+    bool turn_ = false; // True: it may be this loop's turn on the device
     std::optional<NextScene> next_;
     std::promise<void> next_is_shown_; // answers who gave next_
     std::exception_ptr failure_;
+    std::optional<DeviceTurns::Seat> seat_; // nothing: the device is this loop's alone
     std::thread thread_;
 };
 

@@ -11,6 +11,7 @@
 
 namespace brume {
 
+class DeviceTurns;
 class Simulation;
 struct Plan;
 
@@ -38,6 +39,7 @@ struct FrameOptions {
     // Called on the loop's thread before the first tick, and after every tick with the commands that it took.
     // `follows`: true after a tick; false for the first state, and for one that was loaded instead of the one before.
     std::function<void(const Simulation&, std::span<const Command>, bool follows)> ticked;
+    DeviceTurns* turns = nullptr; // that share the device with other loops; null: it is this loop's alone
 };
 
 } // namespace brume

@@ -13,11 +13,22 @@ std::shared_ptr<const Pipeline> PipelineCache::find(const Key& key) {
 }
 
 void PipelineCache::keep(Key key, std::shared_ptr<const Pipeline> pipeline) {
-    if (made_) made_(pipeline->text);
     const std::scoped_lock lock(mutex_);
+    for (const auto& made : listeners_) made(pipeline->text);
     kept_.push_front({std::move(key), std::move(pipeline)});
     size_t unused = 0;
     std::erase_if(kept_, [&](const Kept& kept) { return kept.pipeline.use_count() == 1 && ++unused > kMostUnused; });
+}
+
+PipelineListener::PipelineListener(PipelineCache& pipelines, std::function<void(const std::string&)> made)
+    : pipelines_(pipelines) {
+    const std::scoped_lock lock(pipelines_.mutex_);
+    place_ = pipelines_.listeners_.insert(pipelines_.listeners_.end(), std::move(made));
+}
+
+PipelineListener::~PipelineListener() {
+    const std::scoped_lock lock(pipelines_.mutex_);
+    pipelines_.listeners_.erase(place_);
 }
 
 size_t PipelineCache::size() const {

@@ -64,23 +64,22 @@ private:
     };
     mutable std::mutex mutex_;
     friend class PipelineListener;
-    std::function<void(const std::string&)> made_;
+    std::list<std::function<void(const std::string&)>> listeners_;
     std::list<Kept> kept_; // the one that was asked for last is first
 };
 
 // Is told of every pipeline that is compiled while it lives, by Pipeline::text, in the thread that compiled it. Equal
-// pipelines have equal texts in all processes. One at a time; none is compiled when it begins and ends.
+// pipelines have equal texts in all processes. `made` must not call the cache.
 class PipelineListener {
 public:
-    PipelineListener(PipelineCache& pipelines, std::function<void(const std::string&)> made) : pipelines_(pipelines) {
-        pipelines_.made_ = std::move(made);
-    }
-    ~PipelineListener() { pipelines_.made_ = nullptr; }
+    PipelineListener(PipelineCache& pipelines, std::function<void(const std::string&)> made);
+    ~PipelineListener();
     PipelineListener(const PipelineListener&) = delete;
     PipelineListener& operator=(const PipelineListener&) = delete;
 
 private:
     PipelineCache& pipelines_;
+    std::list<std::function<void(const std::string&)>>::iterator place_;
 };
 
 } // namespace brume::gpu

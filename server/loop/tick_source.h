@@ -40,14 +40,14 @@ public:
 class LocalTicks final : public TickSource {
 public:
     // `queue` outlives this. The first tick is due at `begin`.
-    LocalTicks(CommandQueue& queue, Clock::time_point begin) : queue_(queue), next_(begin) {}
+    LocalTicks(CommandQueue& queue, Clock::time_point begin) : queue_(&queue), next_(begin) {}
 
     Clock::time_point due() const override { return next_; }
     bool take(Clock::time_point now, std::vector<Command>& commands) override {
         if (now - next_ > kMostBehind) next_ = now;
         if (next_ > now) return false;
         next_ += kTick;
-        queue_.drain(commands);
+        queue_->drain(commands);
         return true;
     }
 
@@ -55,7 +55,7 @@ private:
     // When this far behind, time passes without ticks: a process that was stopped does not fast-forward.
     static constexpr std::chrono::milliseconds kMostBehind{250};
 
-    CommandQueue& queue_;
+    CommandQueue* queue_; // never null
     Clock::time_point next_;
 };
 

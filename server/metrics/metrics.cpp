@@ -198,6 +198,9 @@ void addErrors(std::span<const ViewError> errors, std::vector<pm::MetricFamily>&
 } // namespace
 
 struct Metrics::Families {
+    // All of them, and the audience and the passes as they are now.
+    std::vector<pm::MetricFamily> of(const Audience& audience) const;
+
     pm::Registry registry;
     pm::Family<pm::Counter>& frames =
         pm::BuildCounter().Name("brume_frames_total").Help("Frames by what became of them.").Register(registry);
@@ -337,7 +340,7 @@ void Metrics::requested(std::string_view route, unsigned status) {
 
 void Metrics::connected(int change) { families_->connections.Increment(change); }
 
-std::string Metrics::text(const Audience& audience) const {
+std::vector<pm::MetricFamily> Metrics::Families::of(const Audience& audience) const {
     const auto report = audience.report();
     std::vector<std::shared_ptr<Viewer>> viewers;
     audience.list(viewers);
@@ -348,7 +351,7 @@ std::string Metrics::text(const Audience& audience) const {
         links.push_back(viewer->link());
     }
 
-    auto all = families_->registry.Collect();
+    auto all = registry.Collect();
     all.push_back(
         gauge("brume_viewers", "Viewers of the scene: pages, clients, streams and snapshots.", double(viewers.size())));
     all.push_back(gauge("brume_frames_in_flight", "Frames handed out and not yet acknowledged.", in_flight));
@@ -370,11 +373,24 @@ std::string Metrics::text(const Audience& audience) const {
     addErrors(report->errors, all);
     all.push_back(gauge("brume_ready", "1 when frames can be had.", audience.ready ? 1 : 0));
     all.push_back(gauge("brume_device_busy_ratio",
-                        "Part of the last ten seconds in which the device drew; 1: all of them.",
-                        families_->busy.ratio()));
+                        "Part of the last ten seconds in which the device drew; 1: all of them.", busy.ratio()));
     all.push_back(windows(links, audience.maxInFlight()));
     all.push_back(qualities(links));
     all.push_back(passGauges(*report));
+    return all;
+}
+
+std::string Metrics::text(const Audience& audience, std::span<const OfRoom> rooms) const {
+    auto all = families_->of(audience);
+    for (const OfRoom& room : rooms)
+        for (pm::MetricFamily& family : room.metrics.families_->of(room.audience)) {
+            for (pm::ClientMetric& metric : family.metric) metric.label.push_back({"room", room.name});
+            const auto same = std::ranges::find(all, family.name, &pm::MetricFamily::name);
+            if (same == all.end())
+                all.push_back(std::move(family));
+            else
+                same->metric.insert(same->metric.end(), family.metric.begin(), family.metric.end());
+        }
     for (const Sample& sample : samples_ ? samples_() : std::vector<Sample>())
         all.push_back(sample.counter ? counter(sample) : gauge(sample.name, sample.help, sample.value));
     all.push_back(buildInfo());

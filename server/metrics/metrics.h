@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,8 +48,14 @@ public:
     // `samples` is called for each text(), by any thread. To be called before the server listens.
     void collect(std::function<std::vector<Sample>()> samples) { samples_ = std::move(samples); }
 
+    // Of another room of the same process: its series have the label `room`.
+    struct OfRoom {
+        std::string name;
+        const Metrics& metrics;
+        const Audience& audience;
+    };
     // The exposition text: all of the above, and the audience, the passes and the process as they are now.
-    std::string text(const Audience& audience) const;
+    std::string text(const Audience& audience, std::span<const OfRoom> rooms = {}) const;
 
 private:
     struct Families;

@@ -2,18 +2,15 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 
-#include "server/metrics/metrics.h"
 #include "server/net/connections.h"
 #include "server/net/options.h"
 #include "server/net/pages.h"
 #include "server/net/places.h"
+#include "server/net/rooms.h"
 #include "server/net/visitor_log.h"
-#include "server/viewer/audience.h"
 
 namespace brume::net {
 
@@ -33,35 +30,15 @@ private:
     const uint32_t number_;
 };
 
-// Where viewers go that this server does not keep. Thread-safe.
-class Elsewhere {
-public:
-    // `url` is called from any thread, under a lock: after this call the one before is not called any more.
-    void set(std::function<std::string()> url) {
-        const std::scoped_lock lock(mutex_);
-        url_ = std::move(url);
-    }
-    // Of the server with the most room; empty if there is none.
-    std::string url() const {
-        const std::scoped_lock lock(mutex_);
-        return url_ ? url_() : std::string();
-    }
-
-private:
-    mutable std::mutex mutex_;
-    std::function<std::string()> url_;
-};
-
 // One for the server.
 struct ServerState {
-    Audience& audience;
-    Metrics& metrics;
+    Rooms rooms;
+    Metrics& metrics; // of the network, which rooms share
     Pages pages;
     Connections connections;
     std::atomic<bool> draining{false}; // true: /readyz fails, all else goes on
     std::atomic<bool> stopping{false}; // true: connections end, and new ones are not served
     std::string go_to;                 // the URL that viewers are sent to; written before `stopping`, read after
-    Elsewhere elsewhere;
     Places streams{"streams are open"}, snapshots{"snapshots are being drawn"}, uploads{"clouds are being uploaded"};
     VisitorLog log;
     std::atomic<uint32_t> contexts{0}; // alive now
@@ -71,19 +48,18 @@ struct ServerState {
 // context lives as long as it is the newest or has a connection.
 struct Context {
     Context(NetOptions with, std::shared_ptr<Tls> certificate, ServerState& server)
-        : options(std::move(with)), tls(std::move(certificate)), audience(server.audience), metrics(server.metrics),
-          pages(server.pages), connections(server.connections), go_to(server.go_to), elsewhere(server.elsewhere),
-          draining(server.draining), stopping(server.stopping), streams(server.streams), snapshots(server.snapshots),
-          uploads(server.uploads), log(server.log), counted(server.contexts) {}
+        : options(std::move(with)), tls(std::move(certificate)), rooms(server.rooms), metrics(server.metrics),
+          pages(server.pages), connections(server.connections), go_to(server.go_to), draining(server.draining),
+          stopping(server.stopping), streams(server.streams), snapshots(server.snapshots), uploads(server.uploads),
+          log(server.log), counted(server.contexts) {}
 
     const NetOptions options;
     const std::shared_ptr<Tls> tls; // null: no TLS
-    Audience& audience;
+    Rooms& rooms;
     Metrics& metrics;
     const Pages& pages;
     Connections& connections;
     const std::string& go_to;
-    const Elsewhere& elsewhere;
     const std::atomic<bool>&draining, &stopping;
     Places &streams, &snapshots, &uploads;
     VisitorLog& log;

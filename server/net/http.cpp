@@ -34,6 +34,19 @@ std::string_view pathOf(const HttpRequest& request) {
     return target.substr(0, target.find('?'));
 }
 
+// The page of a room is at a path that ends with "/": its files are beside it.
+Reply withSlash(std::string_view room, std::string_view query) {
+    Reply reply = lineReply(308, "the room's page is at this path with / at its end");
+    reply.headers = {{"Location", fmt::format("{}/{}{}", room, query.empty() ? "" : "?", query)}};
+    return reply;
+}
+
+Reply noSuchRoom() {
+    Reply reply = lineReply(404, "there is no such room: see /rooms");
+    reply.headers = {{"Brume-Refused", "room"}};
+    return reply;
+}
+
 constexpr char kUpgradeLost[] = "the proxy in front of this server does not pass WebSockets on: see docs/deploy.md";
 
 // True for a WebSocket's handshake that a proxy has passed on as a plain request: without the headers that belong to
@@ -98,7 +111,9 @@ asio::awaitable<void> HttpConnection::run() {
             const bool dropped = co_await drop(parser.content_length().value_or(0));
             if (!dropped) co_return;
         }
-        if (!co_await answer(parser)) break;
+        const bool goes_on = co_await answer(parser);
+        room_ = context_->rooms.home(); // a room that nobody asks for any more can be closed
+        if (!goes_on) break;
     }
     if (slot_) co_await linger();
 }
@@ -153,9 +168,10 @@ asio::awaitable<bool> HttpConnection::secure() {
 asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     const HttpRequest& request = parser.get();
     const std::string_view target(request.target().data(), request.target().size());
-    const std::string_view path = pathOf(request), query = target.substr(std::min(path.size() + 1, target.size()));
-
-    const Route* const route = routeOf(path);
+    const std::string_view whole = pathOf(request), query = target.substr(std::min(whole.size() + 1, target.size()));
+    const RoomPath in = roomPathOf(whole);
+    const std::string_view path = in.path;
+    const Route* const route = routeOf(whole);
     if (path == "/ws" && lostItsUpgrade(request)) {
         context_->metrics.refused("upgrade");
         context_->log.write(spdlog::level::warn, slot_->network(),
@@ -170,6 +186,11 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         return send(request, "refused", std::move(stranger->reply));
     }
     if (request.method() == http::verb::options) return send(request, "preflight", preflight(route));
+    if (RoomPtr room = context_->rooms.find(in.room))
+        room_ = std::move(room);
+    else
+        return send(request, "refused", noSuchRoom());
+    if (path.empty()) return send(request, "page", withSlash(in.room, query));
     const bool health_check = path == "/healthz" || path == "/readyz";
     // A connection of the reserve is for health checks and for requests with a good token whose reply ends.
     const bool endless = path == "/ws" || path == "/stream.mjpg";
@@ -194,6 +215,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         if (path == "/scene.toml") return send(request, "scene", sceneFile(query));
         if (path == "/particles.ply") return particles(request);
         if (path == "/seek") return seek(request, query);
+        if (path == "/rooms/open" || path == "/rooms/close") return changeRooms(request, path, query);
         if (path == "/pause" || path == "/resume") return pause(request, path == "/pause");
     }
     if (health_check || least) return send(request, path.substr(1), health(path));
@@ -208,15 +230,18 @@ Reply HttpConnection::health(std::string_view path) const {
         reply = lineReply(200, "ok");
     else if (path == "/metrics") {
         reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
-        reply.body = context_->metrics.text(context_->audience);
+        reply.body = metricsText();
     } else if (path == "/viewers") {
         reply.content_type = "application/json";
-        reply.body = viewersJson(context_->audience);
+        reply.body = viewersJson(room_->audience);
+    } else if (path == "/rooms") {
+        reply.content_type = "application/json";
+        reply.body = roomsJson(context_->rooms);
     } else if (context_->stopping)
         reply = lineReply(503, "not ready: the server stops");
     else if (context_->draining)
         reply = lineReply(503, "not ready: the server drains and will stop");
-    else if (!context_->audience.ready)
+    else if (!room_->audience.ready)
         reply = lineReply(503, "not ready: no frame can be rendered yet, or the shared state is not caught up with");
     else
         reply = lineReply(200, "ready");
@@ -229,15 +254,15 @@ Reply HttpConnection::health(std::string_view path) const {
 asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on) {
     const SceneSetting* const setting = liveSetting("simulation.paused");
     const size_t at = size_t(std::ranges::find(liveSettings(), setting) - liveSettings().begin());
-    if (ReplayControl* const replay = context_->audience.replay())
+    if (ReplayControl* const replay = room_->audience.replay())
         replay->paused = on;
-    else if (const CommandBody set = Set{{setting->path, on}}; !context_->audience.commands().push({.body = set}))
-        co_return co_await sendLater(request, "pause", whyRefused(context_->audience.commands(), set));
+    else if (const CommandBody set = Set{{setting->path, on}}; !room_->audience.commands().push({.body = set}))
+        co_return co_await sendLater(request, "pause", whyRefused(room_->audience.commands(), set));
     const auto deadline = Clock::now() + kAppliedWithin;
-    std::shared_ptr<const SceneReport> report = context_->audience.report();
+    std::shared_ptr<const SceneReport> report = room_->audience.report();
     while (report->settings[at] != SettingValue(on) && Clock::now() < deadline && !context_->stopping) {
         co_await event_->wait(std::min(deadline, Clock::now() + std::chrono::milliseconds(5)));
-        report = context_->audience.report();
+        report = room_->audience.report();
     }
     if (report->settings[at] != SettingValue(on))
         co_return co_await sendLater(request, "pause", "the server takes no commands just now: try again");
@@ -252,14 +277,14 @@ asio::awaitable<bool> HttpConnection::pause(const HttpRequest& request, bool on)
 asio::awaitable<bool> HttpConnection::upgrade(const HttpRequest& request, Authorization authorization) {
     Reply refusal;
     if (!beast::websocket::is_upgrade(request)) {
-        refusal = lineReply(426, lostItsUpgrade(request)
-                                     ? kUpgradeLost
-                                     : "this is a WebSocket: connect with ws://, subprotocol brume.v1");
+        refusal =
+            lineReply(426, lostItsUpgrade(request) ? kUpgradeLost
+                                                   : "this is a WebSocket: connect with ws://, subprotocol brume.v1");
         refusal.headers = {{"Upgrade", "websocket"}};
     } else if (!http::token_list(request[http::field::sec_websocket_protocol]).exists(wire::kSubprotocol)) {
         refusal = lineReply(400, "the WebSocket subprotocol brume.v1 is needed");
     } else {
-        serveWebSocket(context_, std::move(stream_), request, std::move(slot_), std::move(authorization));
+        serveWebSocket(context_, room_, std::move(stream_), request, std::move(slot_), std::move(authorization));
         co_return false;
     }
     co_return co_await send(request, "ws", std::move(refusal));

@@ -1,5 +1,5 @@
 // One connection that speaks HTTP, until it ends or becomes a WebSocket. Pictures are in http_pictures.cpp, scenes in
-// http_scenes.cpp, replays in http_replay.cpp, all else in http.cpp.
+// http_scenes.cpp, replays in http_replay.cpp, rooms in http_rooms.cpp, all else in http.cpp.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ std::string headOf(const Reply& reply, std::string_view connection, const NetOpt
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
 public:
     HttpConnection(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot)
-        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(stream)),
-          event_(std::make_shared<Event>(stream_.get_executor())) {
+        : context_(std::move(context)), room_(context_->rooms.home()), slot_(std::move(slot)),
+          stream_(std::move(stream)), event_(std::make_shared<Event>(stream_.get_executor())) {
         context_->metrics.connected(1);
     }
     ~HttpConnection() override { context_->metrics.connected(-1); }
@@ -60,6 +60,9 @@ private:
     Newcomer newcomer(const Authorization& authorization) const;
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);
     asio::awaitable<bool> send(const HttpRequest& request, std::string_view route, Reply reply);
+    // http_rooms.cpp
+    asio::awaitable<bool> changeRooms(const HttpRequest& request, std::string_view path, std::string_view query);
+    std::string metricsText() const;
     asio::awaitable<bool> pause(const HttpRequest& request, bool on);
     asio::awaitable<bool> seek(const HttpRequest& request, std::string_view query); // http_replay.cpp
     // http_scenes.cpp
@@ -91,6 +94,7 @@ private:
     Reply health(std::string_view path) const;
 
     std::shared_ptr<const Context> context_;
+    RoomPtr room_;                         // that the request is for; never null while it is answered
     std::unique_ptr<ConnectionSlot> slot_; // null once the connection is a WebSocket
     ByteStream stream_;
     boost::beast::flat_buffer buffer_;

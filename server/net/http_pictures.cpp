@@ -43,7 +43,7 @@ Newcomer HttpConnection::newcomer(const Authorization& authorization) const {
 // One still picture of a camera that the query places, within the scene's error whatever the load.
 asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query,
                                                Authorization authorization) {
-    auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
+    auto read = readPictureQuery(query, context_->options, room_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
     const PictureQuery& picture = std::get<PictureQuery>(read);
@@ -58,7 +58,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
             co_return co_await sendLater(request, "snapshot", full);
         }
         const auto [handle, why] =
-            ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
+            ViewerHandle::join(room_->audience, room_->metrics, event_->notifier(), newcomer(authorization));
         if (!handle) {
             context_->metrics.refused("snapshots");
             co_return co_await sendLater(request, "snapshot", why);
@@ -76,7 +76,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
     if (gone_) co_return false;
     if (!refusal.empty()) co_return co_await send(request, "snapshot", lineReply(400, std::move(refusal)));
     if (!frame) co_return co_await sendLater(request, "snapshot", kNoFrame);
-    context_->metrics.sent(frame->jpeg[0]->size(), 0);
+    room_->metrics.sent(frame->jpeg[0]->size(), 0);
     Reply reply;
     reply.content_type = contentTypeOf(*frame);
     reply.body.assign(frame->jpeg[0]->begin(), frame->jpeg[0]->end());
@@ -90,7 +90,7 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
 // so that a reader shows it without waiting for the next.
 asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::string_view query,
                                              Authorization authorization) {
-    auto read = readPictureQuery(query, context_->options, context_->audience.scene()->scene.camera);
+    auto read = readPictureQuery(query, context_->options, room_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
     PictureQuery picture = std::get<PictureQuery>(read);
@@ -104,7 +104,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         co_return co_await sendLater(request, "stream", full);
     }
     const auto [handle, why] =
-        ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(), newcomer(authorization));
+        ViewerHandle::join(room_->audience, room_->metrics, event_->notifier(), newcomer(authorization));
     if (!handle) {
         context_->metrics.refused("streams");
         co_return co_await sendLater(request, "stream", why);
@@ -139,7 +139,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         head += fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n", jpeg.size());
         for (const auto& [name, value] : headersOf(*frame, picture)) head += fmt::format("{}: {}\r\n", name, value);
         head += "\r\n";
-        context_->metrics.sent(jpeg.size(), 0);
+        room_->metrics.sent(jpeg.size(), 0);
         const Parts part{asio::buffer(head), asio::buffer(jpeg), asio::buffer(tail)};
         const error_code error = co_await write(part);
         if (error) break;

@@ -31,7 +31,7 @@ std::optional<uint64_t> tickIn(std::string_view query) {
 
 // Answers once the tick is reached. A later seek replaces one that is under way.
 asio::awaitable<bool> HttpConnection::seek(const HttpRequest& request, std::string_view query) {
-    ReplayControl* const replay = context_->audience.replay();
+    ReplayControl* const replay = room_->audience.replay();
     if (!replay)
         co_return co_await send(request, "seek",
                                 lineReply(409, "this is no replay: brume-server --replay FILE --look shows one"));

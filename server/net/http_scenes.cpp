@@ -140,10 +140,10 @@ asio::awaitable<bool> HttpConnection::showCloud(RequestParser& parser, std::stri
 
 // Answers once the scene is shown, or with the reason why the old one stays.
 asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::string_view route, SceneWish scene) {
-    if (context_->audience.replay())
+    if (room_->audience.replay())
         co_return co_await send(request, route, lineReply(409, "this is a replay: it shows the recorded scene alone"));
     const auto wish = std::make_shared<SceneRequest>(std::move(scene), event_->notifier());
-    if (!context_->audience.sceneRequests().push(wish))
+    if (!room_->audience.sceneRequests().push(wish))
         co_return co_await sendLater(request, route, "other scenes are being loaded");
     const auto deadline = Clock::now() + kLoadWithin;
     while (!wish->answered() && Clock::now() < deadline && !context_->stopping) co_await event_->wait(deadline);
@@ -153,8 +153,8 @@ asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::st
     if (!wish->answered()) co_return co_await sendLater(request, route, "the server stops");
     const SceneAnswer& answer = wish->answer();
     if (!answer.complaint.empty()) co_return co_await send(request, route, lineReply(422, answer.complaint));
-    const std::shared_ptr<const SceneReport> report = context_->audience.report();
-    const std::string name = context_->audience.scene()->scene.name;
+    const std::shared_ptr<const SceneReport> report = room_->audience.report();
+    const std::string name = room_->audience.scene()->scene.name;
     Reply reply = lineReply(200, plainText(name, answer));
     if (wantsJson(request)) reply.content_type = "application/json", reply.body = jsonText(name, answer);
     reply.headers = {{"Brume-Tick", fmt::format("{}", report->tick)},
@@ -166,7 +166,7 @@ asio::awaitable<bool> HttpConnection::change(const HttpRequest& request, std::st
 // The particles of a tick, as a file.
 asio::awaitable<bool> HttpConnection::particles(const HttpRequest& request) {
     const auto wish = std::make_shared<ParticleRequest>(event_->notifier());
-    if (!context_->audience.particleRequests().push(wish))
+    if (!room_->audience.particleRequests().push(wish))
         co_return co_await sendLater(request, "particles", "others wait for the particles");
     const auto deadline = Clock::now() + kParticlesWithin;
     while (!wish->answered() && Clock::now() < deadline && !context_->stopping) co_await event_->wait(deadline);
@@ -187,8 +187,8 @@ asio::awaitable<bool> HttpConnection::particles(const HttpRequest& request) {
 
 // The scene as it is now, as a file. The query may give it another camera, as of a picture.
 Reply HttpConnection::sceneFile(std::string_view query) const {
-    const std::shared_ptr<const SceneFacts> facts = context_->audience.scene();
-    Scene scene = tuned(*facts, *context_->audience.report());
+    const std::shared_ptr<const SceneFacts> facts = room_->audience.scene();
+    Scene scene = tuned(*facts, *room_->audience.report());
     const auto picture = readPictureQuery(query, context_->options, scene.camera);
     if (const auto* wrong = std::get_if<std::string>(&picture)) return lineReply(400, *wrong);
     scene.camera = std::get<PictureQuery>(picture).camera;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "server/net/rooms.h"
+
 namespace brume::net {
 namespace {
 
@@ -23,6 +25,9 @@ constexpr Route kRoutes[] = {
     {"/scene.toml", kRead, Role::viewer},
     {"/particles.ply", kGet, Role::operator_},
     {"/cloud", kPost, Role::operator_, true},
+    {"/rooms", kRead, Role::viewer, false, true},
+    {"/rooms/open", kPost, Role::operator_, false, true},
+    {"/rooms/close", kPost, Role::operator_, false, true},
 };
 
 } // namespace
@@ -34,8 +39,10 @@ bool Route::takes(std::string_view method) const {
 std::span<const Route> allRoutes() { return kRoutes; }
 
 const Route* routeOf(std::string_view path) {
-    const auto found = std::ranges::find(kRoutes, path, &Route::path);
-    return found == std::end(kRoutes) ? nullptr : &*found;
+    const RoomPath in = roomPathOf(path);
+    const auto found = std::ranges::find(kRoutes, in.path, &Route::path);
+    if (found == std::end(kRoutes) || (found->of_server && !in.room.empty())) return nullptr;
+    return &*found;
 }
 
 } // namespace brume::net

@@ -112,7 +112,8 @@ void serveFrom(std::shared_ptr<const Context> context, beast::tcp_stream tcp, co
 
 struct NetServer::State {
     State(NetOptions options, Audience& audience, Metrics& metrics)
-        : shared{audience, metrics, Pages{options.web_root}, Connections(limitsOf(options))} {
+        : shared{Rooms(std::make_shared<Room>("", audience, metrics)), metrics, Pages{options.web_root},
+                 Connections(limitsOf(options))} {
         add(std::move(options));
     }
 
@@ -162,7 +163,7 @@ asio::awaitable<void> NetServer::State::accept(tcp::acceptor& from, Serve serve_
 
 // One line, whatever is asked. It fits into the buffer of a new socket, so nothing has to wait for it.
 void NetServer::State::answerAgent(tcp::socket socket) const {
-    const Audience& audience = shared.audience;
+    const Audience& audience = shared.rooms.home()->audience;
     const std::string line = agentLine({audience.ready, shared.draining, !audience.report()->standstill.empty(),
                                         audience.budget_used, audience.withPictures(), audience.places()});
     error_code ignored;
@@ -241,15 +242,17 @@ uint32_t NetServer::contexts() const { return state_->shared.contexts; }
 
 void NetServer::drain() { state_->shared.draining = true; }
 
+net::Rooms& NetServer::rooms() { return state_->shared.rooms; }
+
 void NetServer::setElsewhere(std::function<std::string()> elsewhere) {
-    state_->shared.elsewhere.set(std::move(elsewhere));
+    state_->shared.rooms.home()->elsewhere.set(std::move(elsewhere));
 }
 
 void NetServer::stop(std::chrono::milliseconds grace, std::string go_to) {
     State& s = *state_;
     if (s.threads.empty()) return;
     const auto deadline = std::chrono::steady_clock::now() + grace;
-    s.shared.go_to = go_to.empty() ? s.shared.elsewhere.url() : std::move(go_to);
+    s.shared.go_to = std::move(go_to);
     s.shared.stopping = true;
     // Waits until the listeners are closed, so that no client connects to a server that will not answer.
     asio::post(s.acceptor.get_executor(), asio::use_future([&s] {

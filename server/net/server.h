@@ -16,6 +16,10 @@ namespace brume {
 // is to be done before that.
 void checkNetwork(const net::NetOptions& options);
 
+namespace net {
+class Rooms;
+}
+
 class NetServer {
 public:
     // `audience` and `metrics` outlive the server. Throws std::runtime_error, in one line, if the certificate cannot be
@@ -34,6 +38,8 @@ public:
     void setOptions(net::NetOptions options);
     // Sets of options that are kept: the newest, and those of open connections. For tests.
     uint32_t contexts() const;
+    // The room at "/" is the audience's. Others may be added at any time.
+    net::Rooms& rooms();
     // /readyz fails from now on; all else goes on.
     void drain();
     // `elsewhere` gives the URL of the other server with the most room, or nothing where there is none. Viewers for

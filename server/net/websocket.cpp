@@ -38,14 +38,14 @@ float millisecondsSince(Clock::time_point start) {
 // session alive.
 class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
 public:
-    WebSocketSession(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot,
-                     Authorization authorization)
-        : context_(std::move(context)), slot_(std::move(slot)), ws_(std::move(stream)),
+    WebSocketSession(std::shared_ptr<const Context> context, RoomPtr room, ByteStream stream,
+                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization)
+        : context_(std::move(context)), room_(std::move(room)), slot_(std::move(slot)), ws_(std::move(stream)),
           authorization_(std::move(authorization)),
           mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
-          rules_(context_->options, context_->audience.facts(), Clock::now(), authorization_),
+          rules_(context_->options, room_->audience.facts(), Clock::now(), authorization_),
           event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()), news_(context_->audience), people_news_(context_->audience.people()) {}
+          heartbeat_(ws_.get_executor()), news_(room_->audience), people_news_(room_->audience.people()) {}
 
     void start(const HttpRequest& request) {
         slot_->assign(shared_from_this());
@@ -76,7 +76,7 @@ private:
     void acknowledge(uint32_t frame);
     void command(const EnqueueCommand& given);
     void lead(uint32_t person);
-    People& people() const { return context_->audience.people(); }
+    People& people() const { return room_->audience.people(); }
     wire::Packed newPing();
     void ponged(uint32_t nonce);
     void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
@@ -91,6 +91,7 @@ private:
     void finish(std::string_view why = {});
 
     std::shared_ptr<const Context> context_;
+    const RoomPtr room_;
     std::unique_ptr<ConnectionSlot> slot_;
     websocket::stream<ByteStream, false> ws_; // no compression: JPEG does not shrink
     const Authorization authorization_;
@@ -213,7 +214,7 @@ asio::awaitable<error_code> WebSocketSession::sendFrame(FramePtr frame) {
     Parts parts{asio::buffer(header.data(), header.size())};
     size_t next = 1;
     frame->eachPart([&](std::span<const uint8_t> bytes) { parts[next++] = asio::buffer(bytes.data(), bytes.size()); });
-    context_->metrics.sent(asio::buffer_size(parts), queue_ms);
+    room_->metrics.sent(asio::buffer_size(parts), queue_ms);
     const error_code error = co_await send(parts);
     backlog_ = backlog_ || tcpState(ws_.next_layer().tcp().socket().native_handle()).backlog;
     co_return error;
@@ -302,7 +303,7 @@ void WebSocketSession::carryOut(Actions& actions) {
 }
 
 void WebSocketSession::admit(const Admit& hello) {
-    auto [handle, why] = ViewerHandle::join(context_->audience, context_->metrics, event_->notifier(),
+    auto [handle, why] = ViewerHandle::join(room_->audience, room_->metrics, event_->notifier(),
                                             {.owner = ownerOf(authorization_, slot_->network()),
                                              .is_operator = authorization_.role == Role::operator_,
                                              .key = hello.resume,
@@ -315,7 +316,7 @@ void WebSocketSession::admit(const Admit& hello) {
         context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
         log(fmt::format("{} from {}: turned away, {}", hello.client, slot_->address(), why));
         enqueue(packError(wire::ErrorCode::full, why, 0));
-        const std::string go_to = context_->elsewhere.url();
+        const std::string go_to = room_->elsewhere.url();
         return close(kCloseTryLater, why, go_to.empty() ? kRetryFull : 0, go_to);
     }
     handle_->viewer().grant(hello.granted);
@@ -336,8 +337,7 @@ void WebSocketSession::acknowledge(uint32_t frame) {
 }
 
 void WebSocketSession::command(const EnqueueCommand& given) {
-    const std::optional<Refusal> refusal =
-        giveCommand(context_->audience, handle_->viewer().id(), given.seq, given.body);
+    const std::optional<Refusal> refusal = giveCommand(room_->audience, handle_->viewer().id(), given.seq, given.body);
     if (!refusal) return;
     context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
     enqueue(packError(refusal->code, refusal->text, given.seq));
@@ -355,7 +355,7 @@ void WebSocketSession::lead(uint32_t person) {
 // The viewer leaves the audience at once. The connection ends when all control messages are sent.
 void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s, const std::string& go_to) {
     if (closing_ || ended_) return;
-    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? context_->go_to : go_to));
+    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? room_->goTo(context_->go_to) : go_to));
     leave(reason);
     closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
     event_->notify();
@@ -391,7 +391,7 @@ bool WebSocketSession::newsAreDue() const {
 wire::Packed WebSocketSession::welcome() {
     const SceneFacts& shown = news_.takeScene();
     rules_.shows({shown.scene.medium.layout, shown.scene.medium.count});
-    return packWelcome(handle_->viewer(), granted_, context_->audience, shown, authorization_.role);
+    return packWelcome(handle_->viewer(), granted_, room_->audience, shown, authorization_.role);
 }
 
 // Another scene is told of first, and what changed in it by the next call.
@@ -414,9 +414,10 @@ void WebSocketSession::finish(std::string_view why) {
 
 } // namespace
 
-void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
+void serveWebSocket(std::shared_ptr<const Context> context, RoomPtr room, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization) {
-    std::make_shared<WebSocketSession>(std::move(context), std::move(stream), std::move(slot), std::move(authorization))
+    std::make_shared<WebSocketSession>(std::move(context), std::move(room), std::move(stream), std::move(slot),
+                                       std::move(authorization))
         ->start(request);
 }
 

@@ -11,8 +11,8 @@
 namespace brume::net {
 
 // Answers the upgrade and serves the session on the stream's executor. Returns at once. Precondition: the request asks
-// for a WebSocket and for brume.v1, and `authorization` is its own.
-void serveWebSocket(std::shared_ptr<const Context> context, ByteStream stream, const HttpRequest& request,
+// for a WebSocket and for brume.v1 in this room, and `authorization` is its own.
+void serveWebSocket(std::shared_ptr<const Context> context, RoomPtr room, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization);
 
 } // namespace brume::net

@@ -63,6 +63,8 @@ void leadWith(CLI::App& app, std::initializer_list<const char*> names) {
 // Options that do not go together: what is wrong, or empty.
 std::string mistakeIn(const ServerOptions& o) {
     if (o.look && o.replay.empty()) return "--look: nothing to look at; allowed: with --replay FILE";
+    if (!o.rooms.empty() && !o.replay.empty())
+        return "--room and --replay exclude each other: a replay shows the recorded scene alone";
     if (!o.cluster.engine.servers.empty() && !o.replay.empty())
         return "--cluster and --replay exclude each other: a replay has a clock of its own";
     if (o.cluster.engine.certificate.empty() != o.cluster.engine.key.empty())

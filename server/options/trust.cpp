@@ -49,7 +49,7 @@ void addTokenOptions(OptionTable& table, TokenRequest& request) {
     const NewOption make =
         g.option("--make-token", request.role, "print a token of this role, made with --token-key, and end")
             .flagOnly()
-            .oneOf({"viewer", "controller", "operator"})
+            .oneOf({"viewer", "pusher", "controller", "presenter", "operator"})
             .unit("ROLE");
     g.option("--valid-for", request.valid_s, "of that token")
         .flagOnly()

@@ -97,6 +97,10 @@ public:
         if (wake_) wake_();
         return true;
     }
+    bool empty() const {
+        const std::scoped_lock lock(mutex_);
+        return pending_.empty();
+    }
     // Refuses commands from now on, for the reason `why`: one line that outlives the queue. Null: takes them again.
     void close(const char* why) {
         const std::scoped_lock lock(mutex_);

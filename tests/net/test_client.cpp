@@ -136,12 +136,13 @@ HttpAnswer get(uint16_t port, const std::string& target, const std::string& extr
     return readAnswer(socket, method == "HEAD", 10s);
 }
 
-WsClient::WsClient(uint16_t port, int receive_buffer, const std::string& headers, const std::string& before)
+WsClient::WsClient(uint16_t port, int receive_buffer, const std::string& headers, const std::string& before,
+                   const std::string& path)
     : socket(port, receive_buffer) {
     socket.send(before);
-    socket.send(fmt::format("GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    socket.send(fmt::format("GET {} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n{}\r\n",
-                            port, headers));
+                            path, port, headers));
     handshake = readAnswer(socket);
 }
 

@@ -65,11 +65,11 @@ struct Received {
 
 class WsClient {
 public:
-    // Connects and upgrades at /ws. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n"; `before`: sent
+    // Connects and upgrades at `path`. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n"; `before`: sent
     // before all else.
     explicit WsClient(uint16_t port, int receive_buffer = 0,
                       const std::string& headers = "Sec-WebSocket-Protocol: brume.v1\r\n",
-                      const std::string& before = {});
+                      const std::string& before = {}, const std::string& path = "/ws");
 
     HttpAnswer handshake;
     Socket socket;

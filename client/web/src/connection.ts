@@ -7,7 +7,7 @@ import { answers, pageOf } from './move';
 import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
 
-export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token';
+export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token' | 'room';
 
 // `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way, Infinity if none
 // comes by itself.
@@ -290,6 +290,7 @@ export class Connection {
       try {
         const answer = await this.ask(new URL(this.url), method);
         const text = (await answer.text()).split('\n')[0]?.slice(0, 300) ?? '';
+        if (answer.headers.get('brume-refused') === 'room') return { ...said, refusal: 'room', text };
         if (answer.headers.get('brume-refused') === 'origin') {
           // The server takes its own page for that of another site: it was asked by another name.
           const own = new URL(this.url).host === location.host;

@@ -24,6 +24,7 @@ import { shownError } from './plan';
 import { Pointing } from './pointing';
 import type { Report } from './report';
 import { mayOperate, takeToken } from './role';
+import { RoomsPanel } from './rooms';
 import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
 import { Scenes, chooseFile, cloudName, noteOf, onDrop, saveFile } from './scenes';
@@ -255,6 +256,12 @@ const panel = buildPanel(
     command: (order) => viewer().command(order),
     camera: () => viewer().camera,
     people: () => viewer().people,
+    rooms: new RoomsPanel({
+      token,
+      mayOpen: mayChoose,
+      scenes: () => viewer().welcome?.scenes ?? [],
+      note: (text, kind) => notices.note(sentence(text), kind),
+    }),
     setCap: (cap) => change({ cap }),
     setQuality: (quality) => change({ quality }),
     setEyes: (eyes) => change({ eyes: eyes === 'side' ? 'side' : 'one' }),

@@ -34,6 +34,11 @@ const REFUSALS = {
     text: 'It needs a token: ask for an address with one.',
     status: 'No token',
   },
+  room: {
+    title: 'There is no such room',
+    text: 'It was closed, or never open.',
+    status: 'No room',
+  },
   goodbye: { title: 'The server said goodbye', text: 'It asked to come back later.', status: 'Closed' },
 } as const;
 

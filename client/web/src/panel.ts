@@ -9,6 +9,7 @@ import type { ListGroup } from './lists';
 import { planText } from './plan';
 import type { ErrorLine } from './plan';
 import type { People } from './people';
+import type { RoomsPanel } from './rooms';
 import { peoplePanel } from './people-panel';
 import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
@@ -28,6 +29,7 @@ export interface PanelHost {
   command(command: Command): void;
   camera(): Camera;
   people(): People;
+  rooms: RoomsPanel;
   setCap(index: number | undefined): void; // undefined: automatic
   setQuality(quality: number): void;
   setEyes(eyes: string): void;
@@ -191,6 +193,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     el('header', {}, el('h2', {}, 'Settings'), el('small', {}, 'shared by all viewers'), close),
     scenes,
     people.element,
+    host.rooms.element,
     place,
     group(
       'Picture, yours alone',
@@ -226,6 +229,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       lists = welcome.lists.map((list) => listGroup(list, welcome.role, host.camera, host.command));
       place.replaceChildren(...[...shared, ...lists].map(({ element }) => element));
       restart.disabled = !operates;
+      host.rooms.update();
     },
     follow: (values, inUse, error, changed) => {
       reset.disabled = !changed;
