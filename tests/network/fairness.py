@@ -113,6 +113,12 @@ def hello_only(url):
             time.sleep(0.2)
 
 
+def ask(view, changes):
+    """Faster than set(), which waits for the state."""
+    import brume
+    brume.steps.run(view._link, view._link.order([brume.messages.change(changes)], 5))
+
+
 def settings(url):
     """An operator's program that changes everything in turn: other methods, light that scatters otherwise, other extinction."""
     import brume
@@ -122,7 +128,7 @@ def settings(url):
         while True:
             for change in changes:
                 with contextlib.suppress(brume.BrumeError):
-                    view._link.order([brume.messages.change(change)], 5)  # faster than set(), which waits for the state
+                    ask(view, change)
                 time.sleep(0.05)
 
 
@@ -133,7 +139,7 @@ def sliders(url):
         while True:
             for n in range(8):
                 with contextlib.suppress(brume.BrumeError):
-                    view._link.order([brume.messages.change({'medium.anisotropy': 0.1 + 0.1 * n, 'medium.falloff': 1.2 + 0.05 * n})], 5)
+                    ask(view, {'medium.anisotropy': 0.1 + 0.1 * n, 'medium.falloff': 1.2 + 0.05 * n})
                 time.sleep(0.05)
 
 

@@ -1,4 +1,5 @@
 """What goes wrong."""
+from __future__ import annotations
 
 
 class BrumeError(Exception):
@@ -7,6 +8,6 @@ class BrumeError(Exception):
     code: name of the ErrorCode in brume.fbs, such as 'forbidden' or 'out_of_range'; 'connection' for the others.
     """
 
-    def __init__(self, text, code='connection'):
+    def __init__(self, text: str, code: str = 'connection') -> None:
         super().__init__(text)
         self.code = code

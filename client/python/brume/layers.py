@@ -1,7 +1,13 @@
 """Layers with depth of one picture, from which redraw() draws it as seen from elsewhere."""
+from __future__ import annotations
+
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Optional, Tuple
 
 from brume.frame import array_of
+
+if TYPE_CHECKING:
+    from brume.kinds import Array
 
 SKY = 255  # byte of the surfaces' picture
 
@@ -20,22 +26,22 @@ class Layers:
     filmic: bool  # True: and tone mapped after
     near_surface: float  # m, depth of byte 1 of the surfaces ...
     far_surface: float  # ... and of byte 254
-    pictures: tuple = field(repr=False)  # bytes of three pictures: colours, data, surfaces; empty: there is none
+    pictures: Tuple[bytes, ...] = field(repr=False)  # bytes of three: colours, data, surfaces; empty: there is none
 
-    def colours(self):
+    def colours(self) -> Array:
         """What each layer sends with nothing in front: layers x rows x columns x 3 bytes, sRGB. Without surfaces
         there is one more: the sky behind them."""
         return self._nodes(array_of(self.pictures[0], 'RGB'))
 
-    def transmittance(self):
+    def transmittance(self) -> Array:
         """Of each layer: layers x rows x columns, 0 ... 1."""
         return self._nodes(self._data()[0]) / 255
 
-    def depth(self):
+    def depth(self) -> Array:
         """Mean view depths of what each layer holds: layers x rows x columns, m."""
         return self.near * (self.far / self.near) ** (self._nodes(self._data()[1]) / 255)
 
-    def surface(self):
+    def surface(self) -> Optional[Array]:
         """View depths of surfaces: height x width of the picture, m, infinite for the sky. None: nothing but sky."""
         if not self.pictures[2]:
             return None
@@ -44,9 +50,9 @@ class Layers:
         depth[data == SKY] = float('inf')
         return depth
 
-    def _data(self):
+    def _data(self) -> Array:
         return array_of(self.pictures[1], 'L').reshape(2, self.count * self.block_rows, self.columns)
 
-    def _nodes(self, picture):
+    def _nodes(self, picture: Array) -> Array:
         blocks = picture.reshape(-1, self.block_rows, *picture.shape[1:])
         return blocks[:, :self.rows, :self.columns]

@@ -1,20 +1,25 @@
 """The messages of brume.v1 to bytes and back. brume/wire is generated from protocol/brume.fbs."""
+from __future__ import annotations
+
 import array
 import struct
 import sys
 import time
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import flatbuffers
 
 from brume.error import BrumeError
 from brume.frame import Frame, Measured
+from brume.kinds import Table, Value, Values, Vec3
 from brume.layers import Layers
 
 try:
     from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
                             LitParticles, Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set,
-                            SetParticles, SettingKind, Vec3, Welcome)
+                            SetParticles, SettingKind, Welcome)
     from brume.wire import Frame as WireFrame
+    from brume.wire import Vec3 as WireVec3
 except ImportError as error:
     raise ImportError('brume.wire is missing: build it with ./dev build and use build/release/python, or see '
                       'client/python/README.md') from error
@@ -24,12 +29,15 @@ MOST_BYTES = 64 * 1024  # of a message that the server reads
 VIEWS = ('picture', 'wasted', 'overdraw', 'particles', 'rays', 'depth', 'shadow', 'light', 'error')
 ROWS, ROWS_WITH_ALBEDO = 3000, 2000  # particles in one message, so that it stays below that
 
+Builder = Any  # flatbuffers.Builder
+Build = Callable[[Builder], Tuple[int, int]]  # adds a command's table to the builder; its type, and the table
 
-def now_us():
+
+def now_us() -> int:
     return time.monotonic_ns() // 1000
 
 
-def _finish(builder, kind, body):
+def _finish(builder: Builder, kind: int, body: int) -> bytes:
     Message.Start(builder)
     Message.AddBodyType(builder, kind)
     Message.AddBody(builder, body)
@@ -37,12 +45,14 @@ def _finish(builder, kind, body):
     return bytes(builder.Output())
 
 
-def _vec3(builder, v):
+def _vec3(builder: Builder, v: Sequence[float]) -> int:
     x, y, z = (float(one) for one in v)
-    return Vec3.CreateVec3(builder, x, y, z)
+    made: int = WireVec3.CreateVec3(builder, x, y, z)
+    return made
 
 
-def hello(width, height, client, resume, quality, lossless, keep_size, draw_hz=0):
+def hello(width: int, height: int, client: str, resume: str, quality: int, lossless: bool, keep_size: bool,
+          draw_hz: int = 0) -> bytes:
     b = flatbuffers.Builder(256)
     name, key = b.CreateString(client), b.CreateString(resume)
     Hello.Start(b)
@@ -57,7 +67,8 @@ def hello(width, height, client, resume, quality, lossless, keep_size, draw_hz=0
     return _finish(b, Body.Body.Hello, Hello.End(b))
 
 
-def pose(seq, position, orientation, fov, size, view='picture', layers=0, hidden=False):
+def pose(seq: int, position: Sequence[float], orientation: Sequence[float], fov: float, size: Tuple[int, int],
+         view: str = 'picture', layers: int = 0, hidden: bool = False) -> bytes:
     b = flatbuffers.Builder(256)
     name = b.CreateString(view) if view != 'picture' else None
     Pose.Start(b)
@@ -75,14 +86,14 @@ def pose(seq, position, orientation, fov, size, view='picture', layers=0, hidden
     return _finish(b, Body.Body.Pose, Pose.End(b))
 
 
-def ack(frame):
+def ack(frame: int) -> bytes:
     b = flatbuffers.Builder(64)
     Ack.Start(b)
     Ack.AddFrame(b, frame)
     return _finish(b, Body.Body.Ack, Ack.End(b))
 
 
-def ping(nonce):
+def ping(nonce: int) -> bytes:
     b = flatbuffers.Builder(64)
     Ping.Start(b)
     Ping.AddNonce(b, nonce)
@@ -90,7 +101,7 @@ def ping(nonce):
     return _finish(b, Body.Body.Ping, Ping.End(b))
 
 
-def pong(nonce, time_us):
+def pong(nonce: int, time_us: int) -> bytes:
     b = flatbuffers.Builder(64)
     Pong.Start(b)
     Pong.AddNonce(b, nonce)
@@ -98,7 +109,7 @@ def pong(nonce, time_us):
     return _finish(b, Body.Body.Pong, Pong.End(b))
 
 
-def goodbye(reason):
+def goodbye(reason: str) -> bytes:
     b = flatbuffers.Builder(64)
     text = b.CreateString(reason)
     Goodbye.Start(b)
@@ -109,8 +120,9 @@ def goodbye(reason):
 # A command is a function that adds its table to the builder and returns (its type, the table).
 
 
-def impulse(origin, direction, push, strength):
-    def build(b):
+def impulse(origin: Sequence[float], direction: Sequence[float], push: Optional[Sequence[float]],
+            strength: float) -> Build:
+    def build(b: Builder) -> Tuple[int, int]:
         Impulse.Start(b)
         Impulse.AddOrigin(b, _vec3(b, origin))
         Impulse.AddDirection(b, _vec3(b, direction))
@@ -121,24 +133,25 @@ def impulse(origin, direction, push, strength):
     return build
 
 
-def move(offset):
-    def build(b):
+def move(offset: Sequence[float]) -> Build:
+    def build(b: Builder) -> Tuple[int, int]:
         MoveVolume.Start(b)
         MoveVolume.AddOffset(b, _vec3(b, offset))
         return Command.Command.MoveVolume, MoveVolume.End(b)
     return build
 
 
-def restart():
-    def build(b):
+def restart() -> Build:
+    def build(b: Builder) -> Tuple[int, int]:
         Restart.Start(b)
         return Command.Command.Restart, Restart.End(b)
     return build
 
 
-def _changes(b, values, start):
-    tables = []
-    for path, value in values.items():
+def _changes(b: Builder, values: Dict[str, Value], start: Callable[[Builder, int], Any]) -> int:
+    tables: List[int] = []
+    for path, told in values.items():
+        value: Any = told
         name = b.CreateString(path)
         text = b.CreateString(value) if isinstance(value, str) else None
         Change.Start(b)
@@ -155,12 +168,13 @@ def _changes(b, values, start):
     start(b, len(tables))
     for table in reversed(tables):
         b.PrependUOffsetTRelative(table)
-    return b.EndVector()
+    end: int = b.EndVector()
+    return end
 
 
-def change(values):
+def change(values: Values) -> Build:
     """values: of live settings by path; a number or boolean, three numbers, or a text."""
-    def build(b):
+    def build(b: Builder) -> Tuple[int, int]:
         changes = _changes(b, values, Set.StartChangesVector)
         Set.Start(b)
         Set.AddChanges(b, changes)
@@ -168,9 +182,9 @@ def change(values):
     return build
 
 
-def add(name, values):
+def add(name: str, values: Values) -> Build:
     """values: of the new element's settings by key, as for change()."""
-    def build(b):
+    def build(b: Builder) -> Tuple[int, int]:
         changes = _changes(b, {f'{name}.{key}': value for key, value in values.items()}, Add.StartChangesVector)
         text = b.CreateString(name)
         Add.Start(b)
@@ -180,8 +194,8 @@ def add(name, values):
     return build
 
 
-def remove(path):
-    def build(b):
+def remove(path: str) -> Build:
+    def build(b: Builder) -> Tuple[int, int]:
         text = b.CreateString(path)
         Remove.Start(b)
         Remove.AddPath(b, text)
@@ -189,20 +203,21 @@ def remove(path):
     return build
 
 
-def packed(values):
+def packed(values: Any) -> bytes:
     """Numbers, or lists of them, as the bytes of 32-bit floats; a NumPy array at once."""
     if hasattr(values, 'astype'):
-        return values.astype('<f4').tobytes()
+        data: bytes = values.astype('<f4').tobytes()
+        return data
     flat = array.array('f', (x for one in values for x in (one if hasattr(one, '__len__') else (one,))))
     if sys.byteorder == 'big':
         flat.byteswap()
     return flat.tobytes()
 
 
-def particles(first, live, seconds, lists):
+def particles(first: int, live: int, seconds: float, lists: Sequence[Optional[bytes]]) -> Build:
     """lists: bytes of positions, scales, extinctions and albedos; of the last also None."""
-    def build(b):
-        vectors = []
+    def build(b: Builder) -> Tuple[int, int]:
+        vectors: List[Optional[int]] = []
         for data in lists:
             if data is None:
                 vectors.append(None)
@@ -223,7 +238,7 @@ def particles(first, live, seconds, lists):
     return build
 
 
-def order(seq, build):
+def order(seq: int, build: Build) -> bytes:
     b = flatbuffers.Builder(MOST_BYTES)
     kind, table = build(b)
     Input.Start(b)
@@ -236,14 +251,14 @@ def order(seq, build):
 
 # ---- from the server ----
 
-_BODIES = {Body.Body.Welcome: Welcome.Welcome, Body.Body.SceneState: SceneState.SceneState,
+_BODIES: Dict[int, Any] = {Body.Body.Welcome: Welcome.Welcome, Body.Body.SceneState: SceneState.SceneState,
            Body.Body.Frame: WireFrame.Frame, Body.Body.Error: Error.Error, Body.Body.Ping: Ping.Ping,
            Body.Body.Pong: Pong.Pong, Body.Body.Goodbye: Goodbye.Goodbye,
            Body.Body.LitParticles: LitParticles.LitParticles}
 _CODES = {value: name for name, value in vars(ErrorCode.ErrorCode).items() if isinstance(value, int)}
 
 
-def read(data):
+def read(data: bytes) -> Tuple[Optional[str], Table, bytes]:
     """(kind, table, bytes after it) of a server's message; kind is None for one that this version does not know."""
     try:
         (length,) = struct.unpack_from('<I', data)
@@ -260,25 +275,25 @@ def read(data):
         raise BrumeError(f'the server sent what cannot be read ({error}): another version?') from error
 
 
-def text_of(value):
+def text_of(value: Optional[bytes]) -> str:
     return value.decode('utf-8', 'replace') if value else ''
 
 
-def vector_of(v):
+def vector_of(v: Table) -> Vec3:
     return (v.X(), v.Y(), v.Z())
 
 
-def layers_of(told, pictures):
+def layers_of(told: Table, pictures: Tuple[bytes, ...]) -> Layers:
     return Layers(count=told.Count(), columns=told.Columns(), rows=told.Rows(), block_rows=told.BlockRows(),
                   spacing=told.Spacing(), first=told.First(), near=told.Near(), far=told.Far(),
                   exposure=told.Exposure(), filmic=bool(told.Filmic()), near_surface=told.NearSurface(),
                   far_surface=told.FarSurface(), pictures=pictures)
 
 
-def frame_of(table, rest):
+def frame_of(table: Table, rest: bytes) -> Frame:
     at = 0
 
-    def taken(length):
+    def taken(length: int) -> bytes:
         nonlocal at
         at += length
         return bytes(rest[at - length:at])
@@ -294,9 +309,10 @@ def frame_of(table, rest):
                  if table.Measured() > 0 else None, pictures=tuple(pictures), layers=layers or None)
 
 
-def value_of(value):
-    if value.Number() is not None:
-        return value.Number()
+def value_of(value: Table) -> Value:
+    number: Optional[float] = value.Number()
+    if number is not None:
+        return number
     if value.Vector() is not None:
         return vector_of(value.Vector())
     return text_of(value.Text())
@@ -305,25 +321,26 @@ def value_of(value):
 _WIDE = (SettingKind.SettingKind.vector, SettingKind.SettingKind.colour, SettingKind.SettingKind.direction)
 
 
-def elements_of(described, told):
+def elements_of(described: Table, told: Table) -> List[Values]:
     """The elements of a list, each a dictionary of its values by key. described: a List, told: its Elements."""
     settings = [described.Settings(i) for i in range(described.SettingsLength())]
-    elements, at = [], 0
+    elements: List[Values] = []
+    at = 0
     while at < told.ValuesLength():
-        element = {}
+        element: Values = {}
         for one in settings:
             width = 3 if one.Kind() in _WIDE else 1
             if at + width > told.ValuesLength():
                 raise BrumeError('the server sent half an element of a list: another version?')
-            value = tuple(told.Values(at + i) for i in range(width)) if width == 3 else told.Values(at)
+            value: Value = tuple(told.Values(at + i) for i in range(width)) if width == 3 else told.Values(at)
             if one.Kind() == SettingKind.SettingKind.text:
-                value = text_of(one.Choices(int(value)))
+                value = text_of(one.Choices(int(told.Values(at))))
             element[text_of(one.Path()).rpartition('.')[2]] = value
             at += width
         elements.append(element)
     return elements
 
 
-def error_of(table):
+def error_of(table: Table) -> Tuple[int, BrumeError]:
     """(number of the input that it answers or 0, the error)"""
     return table.InputSeq(), BrumeError(text_of(table.Text()), _CODES.get(table.Code(), 'unknown'))

@@ -1,16 +1,18 @@
 """The packages that this one needs, checked before they are used."""
+from __future__ import annotations
+
 import importlib
 import sys
 
 NEEDED = (('websockets', 10), ('flatbuffers', 2))  # module, least major version
 
 
-def _remedy(name):
+def _remedy(name: str) -> str:
     return (f"Debian's package python3-{name} is for /usr/bin/python3; for another Python: "
             f'{sys.executable} -m pip install {name}')
 
 
-def check():
+def check() -> None:
     for name, least in NEEDED:
         line = f'brume needs the module {name}, version {least} or newer, in {sys.executable}'
         try:

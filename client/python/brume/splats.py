@@ -1,8 +1,15 @@
 """Splats: the lit medium of one tick as a file of 3D Gaussian splatting, for programs that show such files. Needs
 NumPy."""
+from __future__ import annotations
+
 import math
+import os
+from typing import Union
 
 import numpy
+
+from brume.kinds import Array
+from brume.particles import Particles
 
 HARMONIC = 0.28209479177387814  # of order 0: 1 / (2 √π)
 LEAST, MOST = 1e-6, 1 - 1 / 512  # of opacities: their logits are finite, and 1 is not reached
@@ -10,11 +17,12 @@ FIELDS = ('x', 'y', 'z', 'nx', 'ny', 'nz', 'f_dc_0', 'f_dc_1', 'f_dc_2', 'opacit
           'rot_0', 'rot_1', 'rot_2', 'rot_3')
 
 
-def _srgb(light):
-    return numpy.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clip(0.0031308) ** (1 / 2.4) - 0.055)
+def _srgb(light: Array) -> Array:
+    colour: Array = numpy.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clip(0.0031308) ** (1 / 2.4) - 0.055)
+    return colour
 
 
-def colours(particles):
+def colours(particles: Particles) -> Array:
     """What each particle shows of its light, as a screen has it: n x 3 numbers, 0 ... 1. The same from all sides: the
     phase function counts on average."""
     light = particles.light_at()
@@ -28,7 +36,7 @@ def colours(particles):
     return _srgb(seen.clip(0, 1))
 
 
-def save(path, particles):
+def save(path: Union[str, os.PathLike[str]], particles: Particles) -> None:
     """Writes a binary PLY of splats: round ones, whose opacity is what a ray through the centre loses. Colours of the
     extinction are averaged."""
     deviations = particles.deviations.clip(1e-9)
