@@ -59,7 +59,7 @@ class Wheel(Serving):
             names = archive.namelist()
             (metadata,) = (archive.read(name).decode() for name in names if name.endswith('/METADATA'))
         head, _, text = metadata.partition('\n\n')
-        for name in ('brume/py.typed', 'brume/wire/Hello.py', 'brume/version.py'):
+        for name in ('brume/py.typed', 'brume/widget.js', 'brume/wire/Hello.py', 'brume/version.py'):
             self.assertIn(name, names)
         self.assertFalse([name for name in names if '__pycache__' in name or name.startswith('/')])
         for line in ('Requires-Python: >=3.9', "Requires-Dist: numpy; extra == 'pictures'", 'Requires-Dist: websockets>=10'):

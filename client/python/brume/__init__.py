@@ -12,6 +12,7 @@ from brume.connecting import connect, connect_async  # noqa: E402
 from brume.error import BrumeError  # noqa: E402
 from brume.frame import Frame, Measured  # noqa: E402
 from brume.layers import Layers  # noqa: E402
+from brume.notebook import show  # noqa: E402
 from brume.state import State  # noqa: E402
 from brume.version import VERSION  # noqa: E402
 from brume.viewer import Viewer  # noqa: E402
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from brume.kinds import Array
 
 __all__ = ['AsyncViewer', 'BrumeError', 'Frame', 'Layers', 'Measured', 'State', 'Viewer', 'connect', 'connect_async',
-           'redraw']
+           'redraw', 'show']
 __version__ = VERSION
 
 
