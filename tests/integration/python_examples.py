@@ -23,7 +23,8 @@ class Examples(Serving):
         path = pathlib.Path(package) / 'examples' / f'{name}.py'
         self.assertLess(len(path.read_text().splitlines()), LONGEST, name)
         done = subprocess.run([sys.executable, path, *arguments], cwd=self.folder, text=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, timeout=COLD, env={'PYTHONPATH': package, 'PATH': ''}, check=False)
+                              stderr=subprocess.PIPE, timeout=COLD, check=False,
+                              env={'PYTHONPATH': package, 'PATH': ''})
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout.splitlines()
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What a notebook gets from the Python package, without a notebook: python_notebook.py SERVER PACKAGE. The browser's half
-of the widget is in tests/browser/notebook.mjs. Exit status 77: a package of the distribution is missing."""
+"""What a notebook gets from the Python package, without a notebook: python_notebook.py SERVER PACKAGE. The browser's
+half of the widget is in tests/browser/notebook.mjs. Exit status 77: a package of the distribution is missing."""
 import asyncio
 import base64
 import pathlib
@@ -45,8 +45,8 @@ class Notebook(Serving):
         with unittest.mock.patch.dict(sys.modules, {'anywidget': None}):
             shown = brume.show('ws://there:8080/ws', position=(0, 6, 26), target=(0, 0, 0), controls='look',
                                size=(640, 360), token='a"b', height='60vh')
-        self.assertEqual(shown.url, 'http://there:8080/embed.html?position=0,6,26&target=0,0,0&controls=look&size=640x360'
-                                    '&draw=auto#token=a%22b')
+        self.assertEqual(shown.url, 'http://there:8080/embed.html?position=0,6,26&target=0,0,0&controls=look&'
+                                    'size=640x360&draw=auto#token=a%22b')
         self.assertRegex(shown._repr_html_(), '^<iframe src="http://there:8080/embed.html.position=0,6,26&amp;target')
         self.assertIn('height: 60vh', shown._repr_html_())
 

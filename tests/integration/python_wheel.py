@@ -62,7 +62,8 @@ class Wheel(Serving):
         for name in ('brume/py.typed', 'brume/widget.js', 'brume/wire/Hello.py', 'brume/version.py'):
             self.assertIn(name, names)
         self.assertFalse([name for name in names if '__pycache__' in name or name.startswith('/')])
-        for line in ('Requires-Python: >=3.9', "Requires-Dist: numpy; extra == 'pictures'", 'Requires-Dist: websockets>=10'):
+        for line in ('Requires-Python: >=3.9', "Requires-Dist: numpy; extra == 'pictures'",
+                     'Requires-Dist: websockets>=10'):
             self.assertIn(line, head.splitlines())
         self.assertIn('# The Python package', text)
         self.command(sys.executable, pathlib.Path(package) / 'packing.py', self.folder)
