@@ -111,9 +111,11 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     spdlog::info("scene '{}' on {}{}", home.scene().name, device.name(),
                  device.hasMeshShaders() ? ", mesh shaders" : "");
     if (options.net.token_key.empty() && options.open &&
-        (!isLoopback(options.net.listen) || options.net.proxy_protocol))
+        (!isLoopback(options.net.listen) || options.net.proxy_protocol || !options.net.trusted_proxies.empty()))
         spdlog::warn("open: everyone who can reach {} may look, push and change the scene; --token-key FILE ends that",
-                     options.net.proxy_protocol ? "the gateway" : options.net.listen);
+                     options.net.proxy_protocol             ? "the gateway"
+                     : !options.net.trusted_proxies.empty() ? "the proxy"
+                                                            : options.net.listen);
     if (replayed)
         spdlog::info("replay of '{}', ticks {} to {}", options.replay.string(), recording->head.tick, recording->last);
     std::cout << "listening on " << address(options.net, network.port()) << std::endl;

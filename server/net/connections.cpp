@@ -1,5 +1,7 @@
 #include "server/net/connections.h"
 
+#include <utility>
+
 namespace brume::net {
 namespace {
 
@@ -34,35 +36,73 @@ std::unique_ptr<ConnectionSlot> Connections::take(const std::string& address, co
     const bool reserved = open_ >= limits_.total || share.open >= limits_.per_address;
     if (reserved && (reserved_ >= limits_.reserve || share.reserved >= limits_.reserve_per_address))
         return refuse(Refused::full);
-    Share& mine = per_address_[network];
-    ++(reserved ? mine.reserved : mine.open);
-    ++(reserved ? reserved_ : open_);
     const auto kind = reserved ? ConnectionSlot::Kind::reserved : ConnectionSlot::Kind::open;
-    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, kind));
-    slots_.insert(slot.get());
+    auto slot = add(std::unique_ptr<ConnectionSlot>(new ConnectionSlot(*this, address, network, kind)));
+    count(*slot);
+    return slot;
+}
+
+std::unique_ptr<ConnectionSlot> Connections::takeForOthers(const std::string& address, const std::string& network) {
+    const std::scoped_lock lock(mutex_);
+    const bool reserved = open_ >= limits_.total;
+    if (reserved && reserved_ >= limits_.reserve) return nullptr;
+    const auto kind = reserved ? ConnectionSlot::Kind::reserved : ConnectionSlot::Kind::open;
+    auto slot = add(std::unique_ptr<ConnectionSlot>(new ConnectionSlot(*this, address, network, kind)));
+    slot->for_others_ = true;
     return slot;
 }
 
 std::unique_ptr<ConnectionSlot> Connections::takeOwing(const std::string& address, const std::string& network) {
     const std::scoped_lock lock(mutex_);
     if (owing_ >= limits_.total + limits_.reserve) return nullptr;
-    ++owing_;
-    std::unique_ptr<ConnectionSlot> slot(new ConnectionSlot(*this, address, network, ConnectionSlot::Kind::owing));
+    const auto kind = ConnectionSlot::Kind::owing;
+    return add(std::unique_ptr<ConnectionSlot>(new ConnectionSlot(*this, address, network, kind)));
+}
+
+std::unique_ptr<ConnectionSlot> Connections::add(std::unique_ptr<ConnectionSlot> slot) {
     slots_.insert(slot.get());
+    ++slot->taken();
     return slot;
+}
+
+void Connections::count(ConnectionSlot& slot) {
+    Share& share = per_address_[slot.network_];
+    ++(slot.reserved() ? share.reserved : share.open);
+    slot.counted_ = true;
+}
+
+void Connections::discount(ConnectionSlot& slot) {
+    if (!std::exchange(slot.counted_, false)) return;
+    const auto here = per_address_.find(slot.network_);
+    --(slot.reserved() ? here->second.reserved : here->second.open);
+    if (here->second.open + here->second.reserved == 0) per_address_.erase(here);
+}
+
+Connections::Refused ConnectionSlot::passTo(const std::string& address, const std::string& network) {
+    const std::scoped_lock lock(owner_.mutex_);
+    owner_.discount(*this);
+    address_ = address;
+    network_ = network;
+    if (owner_.comesTooOften(network)) return Connections::Refused::rate;
+    const auto known = owner_.per_address_.find(network);
+    const auto share = known == owner_.per_address_.end() ? Connections::Share{} : known->second;
+    const bool full =
+        reserved() ? share.reserved >= owner_.limits_.reserve_per_address : share.open >= owner_.limits_.per_address;
+    if (full) return Connections::Refused::full;
+    owner_.count(*this);
+    return Connections::Refused::nothing;
+}
+
+void ConnectionSlot::passBack() {
+    const std::scoped_lock lock(owner_.mutex_);
+    owner_.discount(*this);
 }
 
 ConnectionSlot::~ConnectionSlot() {
     const std::scoped_lock lock(owner_.mutex_);
     owner_.slots_.erase(this);
-    if (kind_ == Kind::owing) {
-        --owner_.owing_;
-    } else {
-        const auto here = owner_.per_address_.find(network_);
-        --(reserved() ? here->second.reserved : here->second.open);
-        if (here->second.open + here->second.reserved == 0) owner_.per_address_.erase(here);
-        --(reserved() ? owner_.reserved_ : owner_.open_);
-    }
+    owner_.discount(*this);
+    --taken();
     if (owner_.slots_.empty()) owner_.emptied_.notify_all();
 }
 

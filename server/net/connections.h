@@ -42,6 +42,9 @@ public:
     enum class Refused { nothing, full, rate };
     std::unique_ptr<ConnectionSlot> take(const std::string& address, const std::string& network,
                                          Refused* why = nullptr);
+    // The right to one open connection of a proxy, which carries requests of others: the limits of one address do not
+    // count it until ConnectionSlot::passTo() says whose it is. Null if all slots are taken.
+    std::unique_ptr<ConnectionSlot> takeForOthers(const std::string& address, const std::string& network);
     // The right to one open connection that owes its PROXY protocol header: whose it is, that header says. Null if as
     // many owe theirs as may be open. Such slots are apart: the limits of take() do not count them.
     std::unique_ptr<ConnectionSlot> takeOwing(const std::string& address, const std::string& network);
@@ -58,7 +61,10 @@ public:
 private:
     friend ConnectionSlot;
     std::vector<std::shared_ptr<Connection>> open();
-    bool comesTooOften(const std::string& network); // with mutex_
+    std::unique_ptr<ConnectionSlot> add(std::unique_ptr<ConnectionSlot> slot); // with mutex_
+    bool comesTooOften(const std::string& network);                            // with mutex_
+    void count(ConnectionSlot& slot);                                          // with mutex_
+    void discount(ConnectionSlot& slot);                                       // with mutex_
 
     std::mutex mutex_;
     Limits limits_;
@@ -83,6 +89,13 @@ public:
     const std::string& network() const { return network_; } // what counts as one address
     // True: one of the reserve.
     bool reserved() const { return kind_ == Kind::reserved; }
+    // For a slot of Connections::takeForOthers(), on the strand of its connection: from now on it is this address's, as
+    // if that had come with a connection of its own. Refused where such a connection would be: then it counts for
+    // nobody, though the log has the address.
+    Connections::Refused passTo(const std::string& address, const std::string& network);
+    // It counts for nobody: the request has ended.
+    void passBack();
+    bool forOthers() const { return for_others_; }
     // The connection that uses the slot from now on. It is stopped at once if all others already are.
     void assign(const std::shared_ptr<Connection>& connection);
 
@@ -91,9 +104,14 @@ private:
     enum class Kind { open, reserved, owing };
     ConnectionSlot(Connections& owner, std::string address, std::string network, Kind kind)
         : owner_(owner), address_(std::move(address)), network_(std::move(network)), kind_(kind) {}
+    uint32_t& taken() const { // slots of its kind
+        return kind_ == Kind::owing ? owner_.owing_ : reserved() ? owner_.reserved_ : owner_.open_;
+    }
     Connections& owner_;
-    const std::string address_, network_;
+    std::string address_, network_; // written by passTo() alone
     const Kind kind_;
+    bool for_others_ = false;
+    bool counted_ = false;                 // in owner_.per_address_[network_]; guarded by owner_.mutex_
     std::weak_ptr<Connection> connection_; // guarded by owner_.mutex_
 };
 

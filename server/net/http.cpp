@@ -114,6 +114,7 @@ asio::awaitable<void> HttpConnection::run() {
         const bool goes_on = co_await answer(parser);
         room_ = context_->rooms.home(); // a room that nobody asks for any more can be closed
         if (!goes_on) break;
+        if (slot_->forOthers()) slot_->passBack();
     }
     if (slot_) co_await linger();
 }
@@ -171,6 +172,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     const std::string_view whole = pathOf(request), query = target.substr(std::min(whole.size() + 1, target.size()));
     const RoomPath in = roomPathOf(whole);
     const std::string_view path = in.path;
+    if (auto refusal = receive(request)) return send(request, "refused", *std::move(refusal));
     const Route* const route = routeOf(whole);
     if (path == "/ws" && lostItsUpgrade(request)) {
         context_->metrics.refused("upgrade");

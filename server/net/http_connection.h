@@ -23,7 +23,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 public:
     HttpConnection(std::shared_ptr<const Context> context, ByteStream stream, std::unique_ptr<ConnectionSlot> slot)
         : context_(std::move(context)), room_(context_->rooms.home()), slot_(std::move(slot)),
-          stream_(std::move(stream)), event_(std::make_shared<Event>(stream_.get_executor())) {
+          stream_(std::move(stream)), event_(std::make_shared<Event>(stream_.get_executor())),
+          proxy_(Address::read(slot_->address()).value_or(Address())) {
         context_->metrics.connected(1);
     }
     ~HttpConnection() override { context_->metrics.connected(-1); }
@@ -54,6 +55,7 @@ private:
     asio::awaitable<bool> another();
     Clock::duration headerTime() const;
     asio::awaitable<bool> answer(RequestParser& parser);
+    std::optional<Reply> receive(const HttpRequest& request); // http_forwarded.cpp
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
     asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query,
                                    Authorization authorization);
@@ -99,6 +101,7 @@ private:
     ByteStream stream_;
     boost::beast::flat_buffer buffer_;
     std::shared_ptr<Event> event_; // notified when a frame is ready, the peer has gone, and when the server stops
+    const Address proxy_;          // that the connection comes from, where its slot is for others
     bool idle_ = false;            // true: the connection waits for a request or a TLS handshake
     bool gone_ = false;            // true: the peer has closed the connection while it waited for pictures
     bool unread_ = false;          // true: a body follows that nobody has read, so that no other request can

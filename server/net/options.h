@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "server/net/address.h"
+
 namespace brume::net {
 
 struct NetOptions {
@@ -15,6 +17,8 @@ struct NetOptions {
     uint16_t agent_port = 0;          // answers HAProxy's agent-check (agent.h); 0: none does
     // True: every connection to `port` begins with the header of a gateway (proxy_header.h), which says whose it is.
     bool proxy_protocol = false;
+    // Proxies whose header X-Forwarded-For says whose a request is (address.h). Empty: nobody's is read.
+    std::vector<Network> trusted_proxies;
     std::filesystem::path web_root; // the built page
     // Origins ("https://clouds.example") whose pages may open the WebSocket besides our own; "*" for any.
     std::vector<std::string> allowed_origins;

@@ -14,9 +14,8 @@ namespace {
 class ProxyGreeting final : public Connection, public std::enable_shared_from_this<ProxyGreeting> {
 public:
     ProxyGreeting(std::shared_ptr<const Context> context, ByteStream::Tcp tcp, std::unique_ptr<ConnectionSlot> slot,
-                  asio::ip::address own, ServeFrom serve)
-        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(tcp)), own_(std::move(own)),
-          serve_(serve) {}
+                  Address own, ServeFrom serve)
+        : context_(std::move(context)), slot_(std::move(slot)), stream_(std::move(tcp)), own_(own), serve_(serve) {}
 
     void start() {
         slot_->assign(shared_from_this());
@@ -35,7 +34,7 @@ private:
     const std::shared_ptr<const Context> context_;
     std::unique_ptr<ConnectionSlot> slot_;
     ByteStream stream_; // without TLS, which begins behind the header
-    const asio::ip::address own_;
+    const Address own_;
     const ServeFrom serve_;
 };
 
@@ -61,7 +60,7 @@ asio::awaitable<void> ProxyGreeting::run() {
     if (const auto* fault = std::get_if<ProxyFault>(&read)) co_return refuse(fault->line);
     const std::string& address = std::get<ProxySource>(read).address;
     // The next slot is taken before this one is given back, so that a stop waits for the connection all the time.
-    serve_(context_, std::move(stream_.tcp()), address.empty() ? own_ : asio::ip::make_address(address));
+    serve_(context_, std::move(stream_.tcp()), address.empty() ? own_ : Address::read(address).value_or(own_));
 }
 
 void ProxyGreeting::refuse(const char* line) const {
@@ -73,7 +72,7 @@ void ProxyGreeting::refuse(const char* line) const {
 } // namespace
 
 void greetGateway(std::shared_ptr<const Context> context, ByteStream::Tcp tcp, std::unique_ptr<ConnectionSlot> slot,
-                  const asio::ip::address& own, ServeFrom serve) {
+                  const Address& own, ServeFrom serve) {
     std::make_shared<ProxyGreeting>(std::move(context), std::move(tcp), std::move(slot), own, serve)->start();
 }
 

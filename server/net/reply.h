@@ -31,4 +31,11 @@ inline Reply noRoom() {
     return reply;
 }
 
+// One address comes faster than it may.
+inline Reply tooOften() {
+    Reply reply = lineReply(429, "too many connections a second: try again later");
+    reply.headers = {{"Retry-After", "1"}};
+    return reply;
+}
+
 } // namespace brume::net

@@ -13,6 +13,7 @@
 #include <boost/asio/write.hpp>
 #include <fmt/format.h>
 
+#include "server/net/address.h"
 #include "server/net/agent.h"
 #include "server/net/context.h"
 #include "server/net/coroutine.h"
@@ -33,27 +34,16 @@ constexpr int kMostUnsent = 32 << 10; // bytes of a connection that may wait in 
 // Connections beyond --max-connections (HttpConnection::answer() says for what), and those of them for one address.
 constexpr uint32_t kReserve = 16, kReservePerAddress = 4;
 
-Reply tooOften() {
-    Reply reply = lineReply(429, "too many connections a second: try again later");
-    reply.headers = {{"Retry-After", "1"}};
-    return reply;
-}
-
 Connections::Limits limitsOf(const NetOptions& options) {
     return {
         options.max_connections, options.max_connections_per_address, options.accept_rate, options.burst_s, kReserve,
         kReservePerAddress};
 }
 
-// The network that limits count as one address: an IPv4 address, also if it is mapped to IPv6; otherwise the first 64
-// bits of an IPv6 address, which belong to one site.
-std::string networkOf(const asio::ip::address& address) {
-    if (address.is_v4()) return address.to_string();
-    const auto v6 = address.to_v6();
-    if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string();
-    auto bytes = v6.to_bytes();
-    std::fill(bytes.begin() + 8, bytes.end(), static_cast<unsigned char>(0));
-    return asio::ip::address_v6(bytes).to_string() + "/64";
+Address addressOf(const tcp::endpoint& remote) {
+    // Without its scope, which a link-local address of IPv6 has.
+    const std::string text = remote.address().to_string();
+    return Address::read(text.substr(0, text.find('%'))).value_or(Address());
 }
 
 std::string hostAndPort(const std::string& listen, uint16_t port) {
@@ -100,10 +90,12 @@ void refuse(const Context& context, tcp::socket& socket, Connections::Refused wh
 }
 
 // Serves a connection that comes from this address.
-void serveFrom(std::shared_ptr<const Context> context, beast::tcp_stream tcp, const asio::ip::address& address) {
+void serveFrom(std::shared_ptr<const Context> context, beast::tcp_stream tcp, const Address& address) {
     auto refused = Connections::Refused::nothing;
-    auto slot = context->connections.take(address.to_string(), networkOf(address), &refused);
-    if (!slot) return refuse(*context, tcp.socket(), refused);
+    const bool proxy = isTrusted(address, context->options.trusted_proxies);
+    auto slot = proxy ? context->connections.takeForOthers(address.text(), address.network())
+                      : context->connections.take(address.text(), address.network(), &refused);
+    if (!slot) return refuse(*context, tcp.socket(), proxy ? Connections::Refused::full : refused);
     ByteStream stream = context->tls ? ByteStream(std::move(tcp), context->tls->context) : ByteStream(std::move(tcp));
     serveHttp(std::move(context), std::move(stream), std::move(slot));
 }
@@ -186,9 +178,9 @@ void NetServer::State::serve(tcp::socket socket) const {
     // Ends the connection if the peer acknowledges no byte for so long: it vanished, or it keeps its window closed.
     const auto stall_ms = static_cast<unsigned>(context.options.write_stall.count());
     ::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_USER_TIMEOUT, &stall_ms, sizeof stall_ms);
-    const asio::ip::address peer = remote.address();
+    const Address peer = addressOf(remote);
     if (!context.options.proxy_protocol) return serveFrom(shared_context, beast::tcp_stream(std::move(socket)), peer);
-    auto slot = context.connections.takeOwing(peer.to_string(), networkOf(peer));
+    auto slot = context.connections.takeOwing(peer.text(), peer.network());
     if (!slot) return refuse(context, socket, Connections::Refused::full);
     greetGateway(shared_context, beast::tcp_stream(std::move(socket)), std::move(slot), peer, serveFrom);
 }

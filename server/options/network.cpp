@@ -28,6 +28,10 @@ std::string checkOrigin(const std::string& origin) {
     return plain ? "" : "allowed: an origin such as https://clouds.example or http://127.0.0.1:8000, no path, or *";
 }
 
+std::string checkNetworkText(const std::string& text) {
+    return net::Network::read(text) ? "" : "allowed: an address or a network, such as 127.0.0.1, ::1 or 10.0.0.0/8";
+}
+
 } // namespace
 
 void addNetworkOptions(OptionTable& table, ServerOptions& o) {
@@ -36,6 +40,11 @@ void addNetworkOptions(OptionTable& table, ServerOptions& o) {
     g.option("--port", o.net.port, "0 takes a free one").range(0, 65535);
     g.flag("--proxy-protocol", o.net.proxy_protocol,
            "a gateway says first whose connection it passes on, by the PROXY protocol; who does not is refused");
+    g.several("--trusted-proxy", o.trusted_proxies, ',',
+              "a proxy's address, or network such as 10.0.0.0/8: its X-Forwarded-For says whose a request is")
+        .check(checkNetworkText)
+        .unit("ADDRESS")
+        .live();
     g.option("--agent-port", o.net.agent_port, "tells HAProxy's agent-check how much room there is; 0: none")
         .range(0, 65535);
     g.option("--web-root", o.net.web_root, "folder of the built page");

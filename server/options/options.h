@@ -20,11 +20,12 @@ struct ServerOptions {
     std::filesystem::path cloud_dir;    // folder of uploaded point clouds
     std::vector<std::string> overrides; // key=value, replaces the scene's value
     net::NetOptions net;
-    std::vector<std::string> rooms;  // NAME=SCENE, at /r/NAME/ besides the scene at /
-    uint32_t max_rooms = 8;          // besides the one at /
-    std::string idle_rooms = "tick"; // what rooms do that nobody looks at: tick | sleep
-    std::filesystem::path token_key; // file of the key; its bytes are in `net`
-    bool open = false;               // True: serves other machines without a key
+    std::vector<std::string> rooms;           // NAME=SCENE, at /r/NAME/ besides the scene at /
+    uint32_t max_rooms = 8;                   // besides the one at /
+    std::string idle_rooms = "tick";          // what rooms do that nobody looks at: tick | sleep
+    std::vector<std::string> trusted_proxies; // as they are given; read, they are in `net`
+    std::filesystem::path token_key;          // file of the key; its bytes are in `net`
+    bool open = false;                        // True: serves other machines without a key
     uint32_t max_viewers = 32;
     uint32_t max_in_flight = 6;
     uint32_t max_drawing_viewers = 1000;

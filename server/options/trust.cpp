@@ -40,6 +40,11 @@ void readTrust(ServerOptions& o) {
     if (o.net.token_key.empty() && !o.open && o.net.proxy_protocol)
         throw std::runtime_error("--proxy-protocol: who comes through the gateway could do everything here; allowed: "
                                  "--token-key FILE for viewers with tokens, or --open for whoever comes");
+    o.net.trusted_proxies.clear();
+    for (const std::string& text : o.trusted_proxies) o.net.trusted_proxies.push_back(*net::Network::read(text));
+    if (o.net.token_key.empty() && !o.open && !o.trusted_proxies.empty())
+        throw std::runtime_error("--trusted-proxy: who comes through the proxy could do everything here; allowed: "
+                                 "--token-key FILE for viewers with tokens, or --open for whoever comes");
     if (!o.net.token_key.empty() && o.open)
         throw std::runtime_error("--open lets everyone in, --token-key does not: give one of them");
 }

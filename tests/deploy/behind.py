@@ -38,7 +38,7 @@ def say_hello(peer):
 
 class Behind:
     """A mixin for unittest.TestCase: `start_proxy` starts one before the server at `server_port`, at `port`."""
-    server_options = ('--open',)
+    server_options = ('--open', '--trusted-proxy', '127.0.0.1')
 
     @classmethod
     def setUpClass(cls):
@@ -78,6 +78,16 @@ class Behind:
                 with peer:
                     self.assertIn(b' 101 ', answer.split(b'\r\n')[0])
                     self.assertTrue(say_hello(peer))
+
+    def test_the_log_has_the_visitors_address_and_no_other_that_it_claims(self):
+        for i, claimed in enumerate(((), ('X-Forwarded-For: 203.0.113.9',), ('X-Forwarded-For: 127.0.0.1, 127.0.0.1',),
+                                     ('Forwarded: for=203.0.113.9', 'X-Real-IP: 203.0.113.9'))):
+            peer, answer = open_socket(self.port, headers=claimed, source_address=(f'127.0.0.{77 + i}', 0))
+            with peer:
+                self.assertIn(b' 101 ', answer.split(b'\r\n')[0])
+                say_hello(peer)
+                self.server.says(rf'viewer \d+.* from 127\.0\.0\.{77 + i},')
+        self.assertNotIn('from 203.0.113.9', self.server.said())
 
     def test_a_picture_comes_although_none_follows(self):
         """The stream of a scene at rest: a proxy that waits for more would hold its one picture back."""

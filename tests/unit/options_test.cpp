@@ -141,6 +141,13 @@ TEST_F(ServerOptionsTest, BehindAGatewayThereIsAKeyOrOpen) {
     EXPECT_FALSE(neither.options);
     EXPECT_TRUE(neither.complaint.starts_with("--proxy-protocol: who comes through the gateway")) << neither.complaint;
     EXPECT_EQ(neither.complaint.find('\n'), std::string::npos);
+    const ParsedOptions trusting = parsed({"--trusted-proxy", "127.0.0.1"});
+    EXPECT_TRUE(trusting.complaint.starts_with("--trusted-proxy: who comes through the proxy")) << trusting.complaint;
+    EXPECT_NE(parsed({"--open", "--trusted-proxy", "10.0.0.1/8"}).complaint.find("allowed: an address or a network"),
+              std::string::npos);
+    const ParsedOptions two = parsed({"--open", "--trusted-proxy", "127.0.0.1,10.0.0.0/8"});
+    ASSERT_TRUE(two.options) << two.complaint;
+    EXPECT_EQ(two.options->net.trusted_proxies.size(), 2u);
     const ParsedOptions open = parsed({"--proxy-protocol", "--open", "--agent-port", "8090"});
     ASSERT_TRUE(open.options) << open.complaint;
     EXPECT_TRUE(open.options->net.proxy_protocol);
