@@ -127,7 +127,7 @@ struct Connection::Socket : std::enable_shared_from_this<Socket> {
         }));
         stream.read_message_max(kMaxMessageBytes);
         stream.binary(true);
-        const std::string host = endpoint.host + ":" + std::to_string(endpoint.port);
+        const std::string host = endpoint.authority();
         stream.async_handshake(response, host, endpoint.path, [this, self = shared_from_this()](error_code error) {
             if (state == State::closed) return;
             if (error == websocket::error::upgrade_declined) return declined();

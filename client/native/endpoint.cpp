@@ -72,10 +72,12 @@ Endpoint parseLikeBrowser(std::string_view url) {
 
 } // namespace
 
-std::string Endpoint::url() const {
+std::string Endpoint::authority() const {
     const bool ipv6 = host.find(':') != std::string::npos;
-    return (tls ? "wss://" : "ws://") + (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port) + path;
+    return (ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
 }
+
+std::string Endpoint::url() const { return (tls ? "wss://" : "ws://") + authority() + path; }
 
 Endpoint parseUrl(std::string_view url) { return isPage(url) ? parseLikeBrowser(url) : parse(url, Endpoint{}.port); }
 

@@ -16,7 +16,8 @@ struct Endpoint {
     std::string token; // proves to the server who we are (docs/security.md); empty: none
     std::string ca;    // PEM file of the certificates that may sign the server's; empty: those that the system trusts
 
-    std::string url() const; // ws://host:port/path or wss://..., without the token
+    std::string authority() const; // host:port, an address of IPv6 in brackets: what a Host header has
+    std::string url() const;       // ws://host:port/path or wss://..., without the token
 };
 
 // Reads "ws://host", "ws://host:port" or "ws://[address]:port/path", or the same with wss; or the page

@@ -39,7 +39,7 @@ struct Get {
     Get(const Endpoint& from, const std::string& path, uint64_t most)
         : server(from), request(http::verb::get, path, 11) {
         answer.body_limit(most);
-        request.set(http::field::host, server.host + ":" + std::to_string(server.port));
+        request.set(http::field::host, server.authority());
         request.set(http::field::connection, "close");
         if (!server.token.empty()) request.set(http::field::authorization, "Bearer " + server.token);
         server.tls ? stream.emplace(beast::tcp_stream(io), tls.of(server.ca)) : stream.emplace(beast::tcp_stream(io));

@@ -40,6 +40,8 @@ TEST(Endpoint, UrlsOfEveryShape) {
     EXPECT_EQ(parseUrl("ws://cloud.example/").url(), "ws://cloud.example:8080/ws");
     EXPECT_EQ(parseUrl("ws://[::1]:81/other").url(), "ws://[::1]:81/other");
     EXPECT_EQ(parseUrl("ws://[::1]:81/other").host, "::1");
+    EXPECT_EQ(parseUrl("ws://[::1]:81/other").authority(), "[::1]:81");
+    EXPECT_EQ(parseUrl("ws://cloud.example:81").authority(), "cloud.example:81");
     EXPECT_EQ(parseUrl("wss://cloud.example:443").url(), "wss://cloud.example:443/ws");
     EXPECT_TRUE(parseUrl("wss://[::1]/").tls);
     EXPECT_FALSE(parseUrl("ws://cloud").tls);
