@@ -3,8 +3,8 @@
 
 readonly whole_page=docs/results/data/whole.md
 # In this order; those at the end take longest.
-readonly whole_parts=(page unit net gpu hard bench integration swiftshader browser deploy fuzz clang lint netem fairness
-    nodes soak asan tsan bookworm trixie)
+readonly whole_parts=(page unit net gpu hard bench integration swiftshader browser firefox deploy fuzz clang lint netem
+    fairness nodes soak asan tsan bookworm trixie)
 
 wholeHelp() {
     cat <<END
@@ -37,6 +37,7 @@ wholePart() { # wholePart PART
         tests/gpu/with_swiftshader.sh "$release/tests/hard_tests"
         ;;
     browser) browserTest ;;
+    firefox) BRUME_BROWSER=firefox browserTest ;;
     deploy)
         package
         deployTest
@@ -99,7 +100,7 @@ commandWhole() { # [PART...]
     trap summary EXIT
     step "Set-up" setUp "${build_packages[@]}" "${page_packages[@]}" "${lint_packages[@]}" "${fuzz_packages[@]}" \
         "${network_packages[@]}" "${deploy_packages[@]}" "${python_packages[@]}" \
-        vulkan-validationlayers chromium openssl faketime qemu-user debootstrap
+        vulkan-validationlayers "${browser_packages[@]}" openssl faketime qemu-user debootstrap
     passed || exit 1
     step "Build" build release
     passed || exit 1

@@ -7,6 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
+import { IS_FIREFOX } from './browsers.mjs';
 import { drag, openPage, startBrowser } from './pages.mjs';
 import { startServer } from './server.mjs';
 
@@ -267,7 +268,9 @@ describe('the view alone in a frame', () => {
     const context = await browser.newContext();
     t.after(() => context.close());
     const page = await context.newPage();
-    const refused = page.waitForEvent('console', (message) => message.text().includes('frame-ancestors'));
+    const refused = page.waitForEvent(IS_FIREFOX ? 'pageerror' : 'console', (told) =>
+      (told.message ?? told.text()).includes('frame-ancestors'),
+    );
     await page.goto(stranger.url);
     await refused;
     assert.equal((await (await fetch(`${server.url}/viewers`)).json()).viewers.length, 0);

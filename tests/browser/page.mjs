@@ -1,7 +1,8 @@
-// The page in a real Chromium against a real server: node tests/browser/page.mjs
-// BRUME_SERVER, BRUME_WEB_ROOT and CHROMIUM name others than the usual ones.
+// The page in a real browser against a real server: node tests/browser/page.mjs
+// BRUME_SERVER and BRUME_WEB_ROOT name others than the usual ones; browsers.mjs says which browser it is.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
+import { fingersOn } from './browsers.mjs';
 import {
   VIEWPORT,
   another,
@@ -148,19 +149,24 @@ describe('one server', () => {
     const page = await openPage(t, browser, server.url, phone);
     await connected(page);
     const camera = () => page.evaluate(() => window.brume.camera);
-    const device = await page.context().newCDPSession(page);
-    const touch = (type, ...points) =>
-      device.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    const fingers = await fingersOn(page);
     const before = await camera();
-    await touch('touchStart', [80, 200]);
-    for (let x = 90; x <= 160; x += 10) await touch('touchMove', [x, 200]);
-    await touch('touchEnd');
+    await fingers.put([[80, 200]]);
+    for (let x = 90; x <= 160; x += 10) await fingers.move([[x, 200]]);
+    await fingers.lift();
     const turned = await camera();
     assert.ok(turned.yaw < before.yaw - 0.2, `yaw ${before.yaw} became ${turned.yaw}`);
     assert.ok(Math.abs(turned.distance - before.distance) < 1e-9);
-    await touch('touchStart', [100, 200], [140, 200]);
-    for (let d = 0; d <= 40; d += 8) await touch('touchMove', [100 - d, 200], [140 + d, 200]);
-    await touch('touchEnd');
+    await fingers.put([
+      [100, 200],
+      [140, 200],
+    ]);
+    for (let d = 0; d <= 40; d += 8)
+      await fingers.move([
+        [100 - d, 200],
+        [140 + d, 200],
+      ]);
+    await fingers.lift();
     const near = await camera();
     assert.ok(near.distance < turned.distance * 0.6, `distance ${turned.distance} became ${near.distance}`);
     assert.ok(Math.abs(near.yaw - turned.yaw) < 1e-9);

@@ -1,32 +1,36 @@
-// A real Chromium, its pages, and what can be seen on their canvas.
+// Pages of a real browser, and what can be seen on their canvas.
 import assert from 'node:assert/strict';
-import { existsSync } from 'node:fs';
-import { chromium } from 'playwright-core';
+import { IS_FIREFOX } from './browsers.mjs';
 
-const CHROMIUM = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const WAIT_MS = 120_000; // nothing should take this long; a driver that compiles shaders beside other work may
 // Small: on a machine without a GPU the pictures are what the tests wait for.
 export const VIEWPORT = { width: 400, height: 225 };
+// Errors in Firefox's words that are none of the page's: a server that is away, and the style element that Playwright
+// puts into a page for a screenshot.
+const NOT_ITS_OWN = new RegExp(
+  [
+    '^Firefox can’t establish a connection',
+    '^The connection to wss?:',
+    'CORS request did not succeed',
+    'sha256-YjaKGiklmzC6wjXA513HAMmzus8VE61XCOT\\+SmwNZWA=',
+  ].join('|'),
+);
 const SAMPLES = { width: 64, height: 36 };
 
-export async function startBrowser() {
-  if (!existsSync(CHROMIUM)) throw new Error(`${CHROMIUM} is missing: install chromium, or name another with CHROMIUM`);
-  const args = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-sync'];
-  args.push('--disable-background-networking', '--disable-component-update');
-  return chromium.launch({ executablePath: CHROMIUM, args, headless: true });
-}
+export { startBrowser } from './browsers.mjs';
 
 // A page of its own context, as another person would have, closed with the test `t`. Errors in it and requests to
 // elsewhere fail the test when it leaves; `sentTo` is the one other server that it may know. `script` runs in the
 // page before its own.
 export async function openPage(t, browser, url, { script, sentTo, ...options } = {}) {
+  if (IS_FIREFOX) delete options.isMobile; // it has no such mode
   const context = await browser.newContext({ viewport: VIEWPORT, ...options });
   t.after(() => context.close());
   const page = await context.newPage();
   if (script) await page.addInitScript(script);
   const errors = [];
   const elsewhere = [];
-  page.on('pageerror', (error) => errors.push(error.message));
+  page.on('pageerror', ({ message }) => !NOT_ITS_OWN.test(message) && errors.push(message));
   page.on('console', (message) => {
     if (message.text().includes('Content Security Policy')) errors.push(message.text());
   });
@@ -36,8 +40,8 @@ export async function openPage(t, browser, url, { script, sentTo, ...options } =
       elsewhere.push(request.url());
   });
   await page.goto(url);
-  const started = await page.evaluate(() => window.brume !== undefined); // a module runs before the page has loaded
-  assert.ok(started, `the page does not start: ${errors.join('; ')}`);
+  const started = page.waitForFunction(() => window.brume !== undefined, null, { timeout: 10_000, polling: 50 });
+  await started.catch(() => assert.fail(`the page does not start: ${errors.join('; ')}`));
   return Object.assign(page, {
     async leave() {
       await context.close();
@@ -126,18 +130,34 @@ export const faded = (page) =>
     return Promise.allSettled(transitions.map((one) => one.finished));
   });
 
-// What the canvas shows, small: [r, g, b] in rows from the top, 0 ... 255.
-export async function pixels(page) {
-  return page.evaluate(({ width, height }) => {
-    const copy = new OffscreenCanvas(width, height).getContext('2d');
-    copy.imageSmoothingQuality = 'high';
-    copy.drawImage(document.getElementById('view').canvas, 0, 0, width, height);
-    const { data } = copy.getImageData(0, 0, width, height);
-    return Array.from({ length: width * height }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
-  }, SAMPLES);
-}
+// What the canvas shows, or a PNG in base64, small: [r, g, b] in rows from the top, 0 ... 255, each the mean of its
+// pixels. Browsers shrink pictures each in their own way.
+export const pixels = (page, png) =>
+  page.evaluate(
+    async ({ png, width, height }) => {
+      const source = png
+        ? await createImageBitmap(new Blob([Uint8Array.from(atob(png), (c) => c.charCodeAt(0))]))
+        : document.getElementById('view').canvas;
+      const copy = new OffscreenCanvas(source.width, source.height).getContext('2d');
+      copy.drawImage(source, 0, 0);
+      const { data } = copy.getImageData(0, 0, source.width, source.height);
+      const edges = (parts, all) => Array.from({ length: parts + 1 }, (_, i) => Math.floor((i * all) / parts));
+      const [columns, rows] = [edges(width, source.width), edges(height, source.height)];
+      return Array.from({ length: width * height }, (_, i) => {
+        const [left, right] = columns.slice(i % width);
+        const [top, bottom] = rows.slice(Math.floor(i / width));
+        const sum = [0, 0, 0];
+        let count = 0;
+        for (let y = top; y < Math.max(bottom, top + 1); ++y)
+          for (let x = left; x < Math.max(right, left + 1); ++x, ++count)
+            for (const k of [0, 1, 2]) sum[k] += data[4 * (y * source.width + x) + k];
+        return sum.map((value) => value / count);
+      });
+    },
+    { png, ...SAMPLES },
+  );
 
-// The window with everything hidden but that element of the body, as PNG in base64. The page's policy forbids style
+// The window with everything hidden but that element, as PNG in base64. The page's policy forbids style
 // elements, so the style is set by script.
 export async function screenshotOf(page, selector) {
   const style = (text) =>
@@ -146,27 +166,14 @@ export async function screenshotOf(page, selector) {
       sheet.replaceSync(rules);
       document.adoptedStyleSheets = [sheet];
     }, text);
-  await style(`body > :not(${selector}) { visibility: hidden !important; }`);
-  const png = (await page.screenshot()).toString('base64');
+  await style(`body :not(${selector}, ${selector} *, :has(${selector})) { visibility: hidden !important; }`);
+  const png = (await page.screenshot({ caret: 'initial' })).toString('base64');
   await style('');
   return png;
 }
 
 // What a person sees in the window where the page's own furniture is put away, like pixels().
-export async function shown(page) {
-  const png = await screenshotOf(page, '#view');
-  return page.evaluate(
-    async ({ png, width, height }) => {
-      const picture = await createImageBitmap(new Blob([Uint8Array.from(atob(png), (c) => c.charCodeAt(0))]));
-      const copy = new OffscreenCanvas(width, height).getContext('2d');
-      copy.imageSmoothingQuality = 'high';
-      copy.drawImage(picture, 0, 0, width, height);
-      const { data } = copy.getImageData(0, 0, width, height);
-      return Array.from({ length: width * height }, (_, i) => [data[4 * i], data[4 * i + 1], data[4 * i + 2]]);
-    },
-    { png, ...SAMPLES },
-  );
-}
+export const shown = async (page) => pixels(page, await screenshotOf(page, '#view'));
 
 // Mean absolute difference of two pictures, 0 ... 255.
 export function difference(a, b) {

@@ -6,6 +6,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
+import { nextDownload } from './browsers.mjs';
 import { connected, drag, openPage, rested, screenshotOf, settled, startBrowser, until } from './pages.mjs';
 import { BINARY, startServer } from './server.mjs';
 
@@ -132,7 +133,7 @@ describe('a PLY file', () => {
     assert.ok(await page.getByRole('button', { name: 'Open file…' }).isDisabled());
     assert.ok(await page.getByRole('button', { name: 'Reset all' }).isDisabled());
     assert.deepEqual(await drop(page, 'mine.ply', ply(2)), { held: false, kept: true });
-    const download = page.waitForEvent('download');
+    const download = nextDownload(page);
     await page.getByRole('button', { name: 'Save TOML' }).click();
     assert.equal((await download).suggestedFilename(), 'cloud.toml');
     await page.leave();
@@ -159,7 +160,7 @@ describe('what was tuned', () => {
     await settled(page);
     const [camera, wanted] = [await cameraOf(page), await valueOf(page, extinction)];
     await page.locator('#tool-panel').click();
-    const download = page.waitForEvent('download');
+    const download = nextDownload(page);
     await page.getByRole('button', { name: 'Save TOML' }).click();
     const file = join(folder, 'saved.toml');
     await (await download).saveAs(file);
