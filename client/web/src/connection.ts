@@ -56,6 +56,8 @@ export class Connection {
   private heardAt = 0;
   private openedAt = 0;
   private declined = 0;
+  private away = false; // true: when a socket failed last, nobody answered over HTTP either
+  private looking = false;
   private askedWait = 0;
   private hopeless = false; // true: no try comes by itself
   private goTo: string | undefined; // page that the last goodbye named
@@ -97,8 +99,26 @@ export class Connection {
   retryNow(): void {
     if (this.socket || this.ending.aborted) return;
     window.clearTimeout(this.timer);
-    if (this.goTo === undefined) this.open();
-    else void this.goOn(this.goTo);
+    if (this.goTo !== undefined) void this.goOn(this.goTo);
+    else if (this.away) void this.look();
+    else this.open();
+  }
+
+  // Opens a socket once somebody answers over HTTP. Firefox holds sockets back where others have failed before, the
+  // longer the more of them did, up to a minute.
+  private async look(): Promise<void> {
+    if (this.looking) return;
+    this.looking = true;
+    this.askedWait = 0;
+    this.trying();
+    const there = await this.ask(new URL(this.url), 'GET', 'no-cors').then(
+      ({ type, status }) => type === 'opaque' || status < 500, // more: a gateway without a server
+      () => false,
+    );
+    this.looking = false;
+    if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
+    if (there) this.open();
+    else this.ended();
   }
 
   // Moves to another server's page, or connects here again if nobody answers there.
@@ -166,12 +186,10 @@ export class Connection {
     this.poseSeq = 0;
     this.openedAt = this.heardAt = performance.now();
     let opened = false;
-    // A retry keeps the state and ends its countdown.
-    if (this.state.name === 'reconnecting' || this.state.name === 'refused') {
-      this.setState({ ...this.state, retryAt: undefined });
-    }
+    this.trying();
     socket.onopen = () => {
       opened = true;
+      this.away = false;
       this.declined = 0;
       this.send(encodeHello({ ...this.events.hello(), resume: this.resume }));
     };
@@ -186,6 +204,13 @@ export class Connection {
       else void this.turnedDown();
     };
     this.clock = window.setInterval(() => this.tick(socket), 1000);
+  }
+
+  // A retry keeps the state and ends its countdown.
+  private trying(): void {
+    if (this.state.name === 'reconnecting' || this.state.name === 'refused') {
+      this.setState({ ...this.state, retryAt: undefined });
+    }
   }
 
   private receive(data: unknown): void {
@@ -260,6 +285,7 @@ export class Connection {
   private async turnedDown(): Promise<void> {
     const [{ refusal, text, there }, alive] = await Promise.all([this.asked(), this.isAlive()]);
     if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
+    this.away = !alive;
     this.declined = alive && there && !refusal ? this.declined + 1 : 0;
     if (refusal) {
       this.parting = { refusal, text };
@@ -308,9 +334,9 @@ export class Connection {
     return said;
   }
 
-  private ask(address: URL, method = 'GET'): Promise<Response> {
+  private ask(address: URL, method = 'GET', mode: RequestMode = 'cors'): Promise<Response> {
     const page = address.href.replace(/^ws/, 'http');
-    return fetch(page, { method, cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) });
+    return fetch(page, { method, mode, cache: 'no-store', signal: AbortSignal.timeout(ASK_MS) });
   }
 
   private ended(): void {
