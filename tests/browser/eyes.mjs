@@ -198,7 +198,7 @@ describe('two eyes', () => {
       await connected(page);
       assert.equal(await page.evaluate(() => window.brume.reprojection), 'off');
       await until(page, 'layers come', (brume) => brume.reprojection === 'layers' && brume.lastFrame.layers > 0);
-      await page.getByText('Live, redrawn here between pictures').waitFor();
+      await page.locator('#status-text', { hasText: 'Live, redrawn here between pictures' }).waitFor();
       assert.equal(await page.evaluate(() => JSON.parse(localStorage.getItem('brume')).reprojection), 'auto');
       const viewer = await page.evaluate(() => window.brume.viewer);
       await another(page, 10);

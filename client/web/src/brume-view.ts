@@ -29,6 +29,7 @@ export interface BrumeViewEvents {
   moved: { page: string };
 }
 
+const HOW = 'Arrow keys turn, W A S D Q E fly. Drag to turn, scroll to zoom, hold Ctrl or Alt and drag to push.';
 const STYLE = `
   :host { display: block; position: relative; overflow: hidden; min-width: 64px; min-height: 64px; outline: none;
     background: #0b0f14; touch-action: none; user-select: none; cursor: grab; }
@@ -45,6 +46,7 @@ const STYLE = `
     box-sizing: border-box; border: 1.5px solid rgb(255 255 255 / 75%); pointer-events: none;
     background: radial-gradient(rgb(255 255 255 / 22%), transparent 70%); transition: opacity 0.2s; }
   .cursor.active { opacity: 1; }
+  @media (prefers-reduced-motion: reduce) { .cursor { transition: none; } }
   .message { position: absolute; inset: auto 0 0; margin: 0; padding: 8px 12px; color: #e9eef4; pointer-events: none;
     background: rgb(13 18 25 / 84%); font: 13px/1.4 system-ui, sans-serif; text-align: center; }
 `;
@@ -124,9 +126,10 @@ export class BrumeView extends HTMLElement {
 
   connectedCallback(): void {
     if (!this.hasAttribute('tabindex')) this.tabIndex = 0;
-    if (!this.hasAttribute('role')) this.setAttribute('role', 'img');
-    if (!this.hasAttribute('aria-label'))
-      this.setAttribute('aria-label', 'A cloud. Drag to turn, scroll to zoom, hold Ctrl or Alt and drag to push.');
+    // With keys of its own it is more than a picture to a screen reader, which leaves them to it then.
+    const still = this.getAttribute('controls') === 'none';
+    if (!this.hasAttribute('role')) this.setAttribute('role', still ? 'img' : 'application');
+    if (!this.hasAttribute('aria-label')) this.setAttribute('aria-label', still ? 'A cloud.' : `A cloud. ${HOW}`);
     this.restart();
   }
 

@@ -29,6 +29,7 @@ interface Pointer {
 
 const TURN_PER_PIXEL = 0.005; // rad
 const TURN_PER_SECOND = 1.4; // rad, by key
+const PUSH_PER_SECOND = 0.8; // of the picture's shorter side, by key
 const ZOOM_PER_PIXEL = 0.0012;
 const LONG_PRESS_MS = 380;
 const LONG_PRESS_SLACK = 8; // px; a finger that moves further makes no long press
@@ -54,6 +55,7 @@ export class Controls {
   private readonly pointers = new Map<number, Pointer>();
   private readonly keys = new Set<string>(); // that are held
   private readonly tapped = new Set<string>(); // pressed since the last picture, and perhaps let go
+  private byKeys: Pointer | undefined; // that the arrow keys push with
   private velocity: Vec3 = [0, 0, 0]; // in pivot distances a second, along the camera's axes
   private fast = false;
 
@@ -93,6 +95,10 @@ export class Controls {
       const step = MOVES[code];
       if (step) goal = add(goal, step);
     }
+    if (this.host.pushing && this.host.mayPush) {
+      this.pushByKeys(now, yaw * dt, pitch * dt);
+      [yaw, pitch] = [0, 0];
+    } else this.pushByKeys(now, 0, 0);
     if (yaw !== 0 || pitch !== 0) {
       const angle = TURN_PER_SECOND * dt;
       // The right arrow moves the camera to the right around the pivot, or turns its view to the right.
@@ -215,6 +221,7 @@ export class Controls {
     }
     if (!this.host.mayLook) return;
     if (event.ctrlKey || event.altKey || event.metaKey || isField(event.target)) return;
+    if (isInDialog(event.target) || (event.code in TURNS && isScroller(event.target))) return;
     this.host.touched();
     this.keys.add(event.code);
     this.tapped.add(event.code);
@@ -236,6 +243,28 @@ export class Controls {
     const x = ((pointer.x - box.left) / box.width) * 2 - 1;
     const y = 1 - ((pointer.y - box.top) / box.height) * 2;
     return rayThrough(this.host.camera, this.host.fovY, box.width / box.height, x, y);
+  }
+
+  // While pushes are on, the arrow keys push: from the middle of the picture, as far as they are held. `right` and `up`
+  // in seconds; without both the push ends.
+  private pushByKeys(now: number, right: number, up: number): void {
+    const { width, height, left, top } = this.surface.getBoundingClientRect();
+    if (right === 0 && up === 0) {
+      if (this.byKeys) this.stopPush(this.byKeys, false);
+      this.byKeys = undefined;
+      return;
+    }
+    if (!this.byKeys) {
+      const [x, y] = [left + width / 2, top + height / 2];
+      this.byKeys = { x, y, startX: x, startY: y, gesture: 'push', timer: undefined };
+      this.startPush(now, this.byKeys);
+    }
+    const pointer = this.byKeys;
+    const [x, y] = [pointer.x, pointer.y];
+    const step = PUSH_PER_SECOND * Math.min(width, height);
+    pointer.x = Math.max(left, Math.min(left + width, x + right * step));
+    pointer.y = Math.max(top, Math.min(top + height, y - up * step));
+    this.dragPush(now, pointer, pointer.x - x, pointer.y - y);
   }
 
   private startPush(now: number, pointer: Pointer): void {
@@ -262,11 +291,19 @@ function isField(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.matches('input, select, textarea');
 }
 
+// True if it is in a dialog, which has the keys to itself.
+const isInDialog = (target: EventTarget | null): boolean =>
+  target instanceof HTMLElement && target.closest('dialog') !== null;
+
+// True if arrow keys scroll there.
+const isScroller = (target: EventTarget | null): boolean =>
+  target instanceof HTMLElement && 'scrolls' in target.dataset;
+
 // Calls the action of a key's code when it is pressed alone. In a field only Escape counts.
 export function onKeys(actions: Record<string, () => void>): void {
   window.addEventListener('keydown', (event) => {
     if (event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (isField(event.target) && event.code !== 'Escape') return;
+    if (isInDialog(event.target) || (isField(event.target) && event.code !== 'Escape')) return;
     actions[event.code]?.();
   });
 }

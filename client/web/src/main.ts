@@ -161,6 +161,7 @@ const toggles = {
   },
   panel: (on: boolean): void => {
     settings.panel = on;
+    if (!on && find('panel').contains(document.activeElement)) find('tool-panel').focus();
     find('panel').hidden = !on;
     setPressed(find('tool-panel'), on);
     saveSettings(settings);

@@ -1,6 +1,7 @@
 // Tells the viewer about the connection: a curtain (a full-page message) before the first picture and after a
 // refusal, a status line in the corner, a countdown to the next try, and short notes. And about a scene that stands
 // still, for as long as it does.
+import { Announcer } from './announce';
 import type { LinkState } from './connection';
 import { el, find, setText } from './dom';
 import { sentence, standstillText } from './sentence';
@@ -50,6 +51,8 @@ export class Notices {
   private readonly retry = find<HTMLButtonElement>('curtain-retry');
   private readonly status = find('status-text');
   private readonly statusWait = find('status-wait');
+  private readonly announcer = new Announcer((text) => setText(find('status-told'), text));
+  private readonly view = find('view');
   private readonly toasts = find('toasts');
   private readonly standing = find('standstill');
   private retryAt: number | undefined;
@@ -149,7 +152,9 @@ export class Notices {
     document.body.classList.toggle('curtained', !behind);
     this.curtain.setAttribute('aria-hidden', String(behind));
     this.curtain.inert = behind;
+    this.view.inert = !behind;
     setText(this.status, status);
+    this.announcer.say(status);
     this.status.title = status; // where the window is too narrow for it
   }
 

@@ -50,7 +50,7 @@ export class Overlay {
   private readonly stages = new Map<Stage, { part: HTMLElement; value: HTMLElement }>();
   private readonly facts = new Map<string, HTMLElement>();
   private readonly passes = el('dl', { class: 'passes' });
-  private readonly passesTitle = el('h3', {}, 'GPU passes');
+  private readonly passesTitle = el('h2', {}, 'GPU passes');
   private readonly gpu = el('dd');
   private readonly history: number[] = [];
 

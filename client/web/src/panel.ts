@@ -66,9 +66,10 @@ const NUDGE = 0.03; // step that moves the volume, over the camera's distance to
 
 const KEYS = [
   ['W A S D Q E', 'fly, Shift is faster'],
-  ['Arrows', 'orbit or look'],
+  ['Arrows', 'orbit or look; with Push: push'],
   ['C', 'orbit or fly'],
-  ['X, Ctrl, Alt', 'push while dragging'],
+  ['X', 'Push on or off'],
+  ['Ctrl, Alt', 'push while dragging'],
   ['T', 'point at something for everyone'],
   ['R', 'first camera'],
   ['B', 'box and scale'],
@@ -91,8 +92,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   });
 
   const restart = button('Restart', 'Start the scene again, for everyone', () => host.command({ kind: 'restart' }));
-  const nudge = (text: string, title: string, side: number, up: number, ahead: number): HTMLButtonElement =>
-    button(text, title, () => {
+  const nudge = (text: string, title: string, side: number, up: number, ahead: number): HTMLButtonElement => {
+    const element = button(text, title, () => {
       const camera = host.camera();
       const { right, forward } = axes(camera);
       const step = NUDGE * camera.distance;
@@ -101,6 +102,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       const z = (right[2] * side + (forward[2] / flat) * ahead) * step;
       host.command({ kind: 'move', offset: [x, up * step, z] });
     });
+    element.setAttribute('aria-label', title);
+    return element;
+  };
   const nudges = el(
     'div',
     { class: 'nudges', role: 'group', 'aria-label': 'Move the cloud' },
@@ -177,9 +181,10 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
   reset.disabled = true;
-  const doing = el('small', { role: 'status' });
+  const doing = el('small'); // a note says the same
 
-  const close = button('×', 'Close (O)', () => host.close());
+  const close = button('', 'Close (O)', () => host.close());
+  close.append(el('span', { 'aria-hidden': 'true' }, '×'));
   close.className = 'close';
   close.setAttribute('aria-label', 'Close settings');
   // Groups of the server's settings stand here.

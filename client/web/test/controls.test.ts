@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { lookAt } from '../src/camera';
 import { Controls } from '../src/controls';
 import type { ControlsHost } from '../src/controls';
+import type { Command } from '../src/protocol';
 import { Pusher } from '../src/pusher';
 
 const FRAME_S = 1 / 60;
@@ -9,9 +10,10 @@ const SETTLED = 120; // animation frames after which a camera without keys stand
 
 describe('keys', () => {
   let keyboard: EventTarget;
-  let host: ControlsHost;
+  let host: { -readonly [K in keyof ControlsHost]: ControlsHost[K] };
   let controls: Controls;
   let ending: AbortController;
+  let sent: Command[];
 
   beforeEach(() => {
     ending = new AbortController();
@@ -28,8 +30,11 @@ describe('keys', () => {
       touched: () => undefined,
       pushed: () => undefined,
     };
-    const surface = new EventTarget() as HTMLElement;
-    controls = new Controls(surface, keyboard as Window, host, new Pusher(() => undefined), ending.signal);
+    const box = { left: 0, top: 0, width: 400, height: 200 };
+    const surface = Object.assign(new EventTarget(), { clientHeight: box.height, getBoundingClientRect: () => box });
+    sent = [];
+    const pusher = new Pusher((command) => sent.push(command));
+    controls = new Controls(surface as unknown as HTMLElement, keyboard as Window, host, pusher, ending.signal);
   });
   afterEach(() => {
     ending.abort();
@@ -91,6 +96,27 @@ describe('keys', () => {
     expect(turned).not.toBe(yaw);
     moved(60);
     expect(host.camera.yaw).toBe(turned);
+  });
+
+  test('with arrows push along them while pushes are on, and turn nothing', () => {
+    host.pushing = true;
+    key('keydown', 'ArrowRight');
+    expect(moved(30)).toBe(0);
+    const [first] = sent;
+    expect(sent.length).toBeGreaterThan(5);
+    expect(first).toMatchObject({ kind: 'impulse' });
+    const [x = 0, y = 0, z = 0] = (first as unknown as { push: number[] }).push;
+    expect(x).toBeGreaterThan(1);
+    expect(Math.hypot(y, z)).toBeLessThan(1e-6);
+    key('keyup', 'ArrowRight');
+    moved(1);
+    const count = sent.length;
+    expect(moved(60)).toBe(0);
+    expect(sent.length).toBe(count);
+    host.mayPush = false; // a viewer's arrows turn
+    key('keydown', 'ArrowRight');
+    expect(moved(10)).toBeGreaterThan(0);
+    expect(sent.length).toBe(count);
   });
 
   test('are let go when the focus is lost', () => {
