@@ -100,7 +100,7 @@ commandWhole() { # [PART...]
     trap summary EXIT
     step "Set-up" setUp "${build_packages[@]}" "${page_packages[@]}" "${lint_packages[@]}" "${fuzz_packages[@]}" \
         "${network_packages[@]}" "${deploy_packages[@]}" "${python_packages[@]}" \
-        vulkan-validationlayers "${browser_packages[@]}" openssl faketime qemu-user debootstrap
+        vulkan-validationlayers "${browser_packages[@]}" webkit2gtk-driver openssl faketime qemu-user debootstrap
     passed || exit 1
     step "Build" build release
     passed || exit 1

@@ -16,7 +16,7 @@ function mustBeThere(path, what) {
 }
 
 // Firefox draws with WebGL only where it has a display.
-async function startDisplay() {
+export async function startDisplay() {
   mustBeThere(XVFB, 'xvfb');
   const options = ['-displayfd', '3', '-screen', '0', '1920x1200x24', '-nolisten', 'tcp'];
   const server = spawn(XVFB, options, { stdio: ['ignore', 'ignore', 'ignore', 'pipe'] });
