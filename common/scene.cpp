@@ -11,9 +11,9 @@
 #include "common/object_layout.h"
 #include "common/plain_file.h"
 #include "common/ply/ply.h"
-#include "common/scene_reader.h"
+#include "common/scene_camera.h"
 #include "common/scene_text.h"
-#include "common/settings.h"
+#include "common/setting_reader.h"
 #include "common/text.h"
 #include "common/toml_text.h"
 
@@ -22,82 +22,6 @@ namespace brume {
 namespace {
 
 constexpr size_t kMostTextBytes = 1 << 20; // of a scene file
-
-// Reads the settings of one table into the scene.
-class SettingReader {
-public:
-    explicit SettingReader(std::filesystem::path folder) : folder_(std::move(folder)) {}
-
-    // All of one table ("medium.emitter", "" for the file's top). `origin`: what places count from; without it they are
-    // displacements.
-    void readTable(TableReader& in, std::string_view table, const SceneParts& parts, const glm::dvec3* origin) const {
-        for (const SceneSetting& setting : sceneSettings())
-            if (setting.table() == table) std::visit(Read{in, setting, origin, folder_}, setting.member(parts));
-    }
-    void readOne(TableReader& in, std::string_view path, const SceneParts& parts) const {
-        for (const SceneSetting& setting : sceneSettings())
-            if (setting.path == path) std::visit(Read{in, setting, nullptr, folder_}, setting.member(parts));
-    }
-
-private:
-    struct Read {
-        TableReader& in;
-        const SceneSetting& setting;
-        const glm::dvec3* origin;
-        const std::filesystem::path& folder;
-
-        void operator()(bool* out) const { in.boolean(setting.key(), *out); }
-        void operator()(float* out) const {
-            if (setting.form == Form::height && origin)
-                in.height(setting.key(), *out, *origin);
-            else if (setting.form == Form::or_auto)
-                in.numberOrAuto(setting.key(), *out, setting.allowed);
-            else if (setting.form == Form::unit)
-                in.numberOrUnit(setting.key(), *out, setting.allowed);
-            else
-                in.number(setting.key(), *out, setting.allowed, setting.unit);
-        }
-        void operator()(uint32_t* out) const {
-            if (setting.form == Form::or_auto)
-                in.integerOrAuto(setting.key(), *out, setting.allowed);
-            else
-                in.integer(setting.key(), *out, setting.allowed);
-        }
-        void operator()(uint64_t* out) const { in.integer(setting.key(), *out, setting.allowed); }
-        void operator()(glm::vec3* out) const {
-            if (setting.form == Form::place && origin)
-                in.place(setting.key(), *out, *origin);
-            else
-                in.vector(setting.key(), *out, setting.allowed);
-            if (setting.form == Form::direction) normalise(*out);
-        }
-        void operator()(glm::dvec3* out) const {
-            if (!in.isAuto(setting.key())) in.vector(setting.key(), *out, setting.allowed);
-        }
-        void operator()(Range* out) const { in.range(setting.key(), *out, setting.allowed); }
-        void operator()(std::string* out) const {
-            if (setting.choices.empty())
-                in.text(setting.key(), *out, static_cast<size_t>(setting.allowed.hi));
-            else if (const auto chosen = in.choice(setting.key(), setting.choices))
-                *out = setting.choices[*chosen];
-        }
-        void operator()(Layout* out) const {
-            if (const auto chosen = in.choice(setting.key(), setting.choices)) *out = static_cast<Layout>(*chosen);
-        }
-        void operator()(std::filesystem::path* out) const {
-            std::string file;
-            in.text(setting.key(), file, static_cast<size_t>(setting.allowed.hi));
-            if (!file.empty()) *out = folder / file;
-        }
-        void normalise(glm::vec3& direction) const {
-            const float length = glm::length(direction);
-            if (!(length > 1e-6f)) in.fail(setting.key(), "has no direction", "any vector longer than 1e-6");
-            direction /= length;
-        }
-    };
-
-    std::filesystem::path folder_;
-};
 
 // True: the file's name has one run of #, of at most as many digits as a number can have.
 bool isPattern(const std::string& name) {
@@ -188,12 +112,6 @@ void refuseSkyLight(const Scene& scene) {
     if (scene.render.scattering != "propagation")
         fail("with render.scattering = \"" + scene.render.scattering +
              "\"; set it to \"propagation\", or sky.ambient in its place");
-}
-
-void readCamera(TableReader& in, const SettingReader& read, SceneCamera& out, const glm::dvec3& origin) {
-    read.readTable(in, "camera", {.camera = &out}, &origin);
-    if (!(glm::distance(out.position, out.target) > 1e-3f))
-        in.fail("target", "is where the camera stands", "any place further than 1 mm from camera.position");
 }
 
 // The method's name is checked by the server, whose list of methods this library does not know.
@@ -289,8 +207,9 @@ void readScene(TableReader& in, Scene& out, const std::filesystem::path& folder)
     out.tetrahedra = tetrahedraOf(out.medium, origin);
     out.volume = volumeOf(out.medium, origin);
     in.table("sky", [&](TableReader& r) { read.readTable(r, "sky", {.sky = &out.sky}, nullptr); });
-    in.table("camera", [&](TableReader& r) { readCamera(r, read, out.camera, origin); });
-    out.camera_by_points = !out.medium.file.empty() && !in.has("camera");
+    bool camera_by_points = true;
+    in.table("camera", [&](TableReader& r) { readCamera(r, read, out, camera_by_points); });
+    out.camera_by_points = camera_by_points && !out.medium.file.empty();
     in.table("render", [&](TableReader& r) { readRender(r, read, out.render); });
     if (out.medium.model == kUnionMedium && out.render.scattering != "single")
         throw SceneError("render.scattering: \"" + out.render.scattering + "\"; a union medium needs \"single\"");
@@ -368,26 +287,6 @@ Scene sceneOf(const std::string& text, const std::filesystem::path& file, std::s
     readScene(reader, scene, file.parent_path());
     reader.finish();
     return scene;
-}
-
-std::vector<std::string> sceneNames(const std::filesystem::path& folder) {
-    std::vector<std::string> names;
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
-        if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-    std::sort(names.begin(), names.end());
-    return names;
-}
-
-std::filesystem::path findScene(const std::string& name_or_path, const std::filesystem::path& scene_dir) {
-    if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) return name_or_path;
-    std::filesystem::path found = scene_dir / (name_or_path + ".toml");
-    std::error_code ignored; // a folder that cannot be read offers no scenes
-    if (std::filesystem::is_regular_file(found, ignored)) return found;
-    std::string list;
-    for (const std::string& name : sceneNames(scene_dir)) list += (list.empty() ? "" : ", ") + name;
-    throw SceneError("no scene \"" + name_or_path + "\" in " + scene_dir.string() +
-                     "; there are: " + (list.empty() ? "none" : list) + "; or give the path of a .toml file");
 }
 
 } // namespace brume

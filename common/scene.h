@@ -11,6 +11,7 @@
 
 #include <glm/glm.hpp>
 
+#include "common/camera_keys.h"
 #include "common/render_settings.h"
 
 namespace brume {
@@ -267,7 +268,8 @@ struct Scene {
     uint32_t laid_out_boxes = 0, laid_out_spheres = 0; // how many of them are of `objects`
     Sky sky;
     SceneCamera camera;
-    bool camera_by_points = false; // True: the scene has points of a file and gives no camera: placeCamera() does
+    bool camera_by_points = false;      // True: the scene has points of a file and gives no camera: placeCamera() does
+    std::vector<CameraKey> camera_keys; // at most limits::kCameraKeys
     RenderSettings render;
 };
 

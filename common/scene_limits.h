@@ -54,7 +54,8 @@ inline constexpr Limits kPeriod{0.1, 1e4}, kRotate{-10, 10}, kAngle{-1e3, 1e3};
 inline constexpr Limits kFileRate{1e-3, 1e3}; // 1/s, of a sequence
 inline constexpr Limits kMoveTime{0, 60};     // s, of particles that are set
 
-inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10}; // m; people have 0.065, giants and models more
+inline constexpr Limits kFovY{0.05, 3.0}, kEyeSeparation{0, 10};   // m; people have 0.065, giants and models more
+inline constexpr Limits kCameraKeys{0, 64}, kKeySeconds{0.1, 600}; // how many; s
 inline constexpr Limits kExposure{1e-4, 1e4}, kSteps{1, 10}, kTransmittanceSteps{1, 3};
 inline constexpr Limits kTetrahedra{1, 2e6}, kTetrahedraNodes{1, 3}; // how many; along a ray in each
 inline constexpr Limits kRayRate{1, 16}, kSlabs{1, 512}, kShading{1, 8}, kGridSpacing{0.01, 1}, kLampSpacing{1e-3, 10};

@@ -77,6 +77,7 @@ public:
         list("glass", scene.glasses, &SceneParts::glass);
         table("sky", {.sky = &scene.sky}, {.sky = &by_default.sky});
         table("camera", {.camera = &scene.camera}, {.camera = &by_default.camera});
+        keys(scene.camera_keys);
         std::string_view last;
         for (const SceneSetting& setting : sceneSettings()) // render, and the tables of one method each
             if (const std::string_view name = setting.table();
@@ -117,6 +118,12 @@ private:
             defaults.*part = &by_default;
             table(name, parts, defaults, Head::element);
         }
+    }
+
+    // The first key has no seconds.
+    void keys(std::vector<CameraKey>& keys) {
+        if (!keys.empty()) keys.front().seconds = CameraKey{}.seconds;
+        list("camera.key", keys, &SceneParts::key);
     }
 
     void medium(Medium& medium) {

@@ -271,6 +271,14 @@ constexpr SceneSetting kBeforeMethods[]{
      Form::place},
     {"camera.fov_y", at<&P::camera, &SceneCamera::fov_y>, "rad", limits::kFovY, "Its full vertical angle of view"},
 
+    {"camera.key.position", at<&P::key, &CameraKey::position>, "m", limits::kPlace, "Where the camera is", kNobody,
+     Form::place},
+    {"camera.key.target", at<&P::key, &CameraKey::target>, "m", limits::kPlace, "What it looks at", kNobody,
+     Form::place},
+    {"camera.key.fov_y", at<&P::key, &CameraKey::fov_y>, "rad", limits::kFovY, "Its full vertical angle of view"},
+    {"camera.key.seconds", at<&P::key, &CameraKey::seconds>, "s", limits::kKeySeconds,
+     "Time on the way from the key before; the first key has none"},
+
     {"render.method", at<&P::render, &R::method>, "", kNames,
      "How the medium is rendered: a method's name, or `auto` for the cheapest one within render.error and render.flip",
      kOperators},

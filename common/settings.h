@@ -30,6 +30,7 @@ struct SceneParts {
     ObjectLayout* objects = nullptr;
     Sky* sky = nullptr;
     SceneCamera* camera = nullptr;
+    CameraKey* key = nullptr;
     RenderSettings* render = nullptr;
 };
 

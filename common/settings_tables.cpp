@@ -84,6 +84,7 @@ std::string settingsTables() {
     Glass glass;
     ObjectLayout objects;
     Fog fog;
+    CameraKey key;
     const SceneParts defaults{.scene = &scene,
                               .medium = &scene.medium,
                               .simulation = &scene.simulation,
@@ -97,6 +98,7 @@ std::string settingsTables() {
                               .objects = &objects,
                               .sky = &scene.sky,
                               .camera = &scene.camera,
+                              .key = &key,
                               .render = &scene.render};
     std::string text;
     std::string_view table;

@@ -67,7 +67,9 @@ void expectSame(Scene a, Scene b) {
     expectSame(a.meshes, b.meshes, &SceneParts::mesh, "mesh");
     expectSame({.objects = &a.objects}, {.objects = &b.objects}, "objects");
     expectSame({.sky = &a.sky}, {.sky = &b.sky}, "sky");
-    expectSame({.camera = &a.camera}, {.camera = &b.camera}, "camera");
+    CameraKey no_key;
+    expectSame({.camera = &a.camera, .key = &no_key}, {.camera = &b.camera, .key = &no_key}, "camera");
+    expectSame(a.camera_keys, b.camera_keys, &SceneParts::key, "camera.key");
     expectSame({.render = &a.render}, {.render = &b.render}, "render");
 }
 
