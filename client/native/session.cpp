@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/scene_limits.h"
 #include "common/text.h"
 #include "common/view_names.h"
 
@@ -11,6 +12,20 @@ namespace {
 wire::Vec3 toWire(glm::vec3 v) { return {v.x, v.y, v.z}; }
 glm::vec3 fromWire(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 std::string textOf(const flatbuffers::String* text) { return text ? text->str() : std::string(); }
+
+// Those that can be used; none where one of them cannot.
+std::vector<CameraKey> keysOf(const wire::Welcome& welcome) {
+    std::vector<CameraKey> keys;
+    if (!welcome.path() || !limits::kCameraKeys.holds(double(welcome.path()->size()))) return keys;
+    for (const wire::CameraKey* one : *welcome.path()) {
+        const CameraKey key{fromWire(one->position()), fromWire(one->target()), one->fov_y(), one->seconds()};
+        const bool timed = keys.empty() || limits::kKeySeconds.holds(double(key.seconds));
+        const bool placed = isUsable(lookAt(key.position, key.target, key.fov_y));
+        if (!timed || !placed) return {};
+        keys.push_back(key);
+    }
+    return keys;
+}
 
 } // namespace
 
@@ -82,7 +97,8 @@ void Session::takeNote(const Received& message) {
                            target,
                            camera.fov_y(),
                            textOf(welcome->resume()),
-                           welcome->resumed()};
+                           welcome->resumed(),
+                           keysOf(*welcome)};
     } else if (const auto* state = message.as<wire::SceneState>()) {
         standstill_ = oneLine(textOf(state->standstill()));
     } else if (const auto* error = message.as<wire::Error>()) {
@@ -127,6 +143,10 @@ uint32_t Session::sendPaused(bool paused) {
         const std::vector changes{wire::CreateChangeDirect(b, "simulation.paused", paused)};
         return wire::CreateSetDirect(b, &changes);
     });
+}
+
+uint32_t Session::sendUndo() {
+    return sendCommand<wire::Undo>([](auto& b) { return wire::CreateUndo(b); });
 }
 
 void Session::acknowledge(uint32_t frame) {

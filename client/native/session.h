@@ -7,9 +7,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "client/native/connection.h"
-#include "common/camera.h"
+#include "common/camera_keys.h"
 #include "protocol/message.h"
 
 namespace brume::client {
@@ -62,6 +63,7 @@ struct Granted {
     float fov_y = 0.8f;
     std::string resume;   // a secret key: with it, a new session within a minute of losing this one is the same viewer
     bool resumed = false; // true: the server knew the key that the hello named
+    std::vector<CameraKey> keys; // the scene's key views; empty: it has none, or the server is older
 };
 
 // Pushes the particles near a ray (wire::Impulse): along `push`, in m/s, or away from the ray when that is zero.
@@ -116,6 +118,7 @@ public:
     }
     uint32_t sendImpulse(const Impulse& impulse);
     uint32_t sendPaused(bool paused);
+    uint32_t sendUndo(); // of the newest change of anybody
     // Tells the server that the frame was presented or dropped: it may send another.
     void acknowledge(uint32_t frame);
     void sendPing();

@@ -23,6 +23,7 @@ std::shared_ptr<SceneReport> sceneReport(const Simulation& simulation, const Pla
     report->settings_version = simulation.settingsVersion();
     report->lists = now.lists;
     report->lists_hash = simulation.listsHash();
+    report->undo = simulation.undoText();
 
     RenderSettings used = plan.chosen.settings;
     auto& told = report->plan;

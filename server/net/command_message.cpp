@@ -189,6 +189,8 @@ CommandBody bodyOf(const wire::Input& input, Reader& in) {
         return in.element(*input.command_as_Add());
     case wire::Command::Remove:
         return in.removal(*input.command_as_Remove());
+    case wire::Command::Undo:
+        return Undo{input.command_as_Undo()->operators()};
     case wire::Command::NONE:
         break; // not from wire::parse
     }
@@ -250,6 +252,7 @@ auto written(Builder& b, const Add& c) {
 auto written(Builder& b, const Remove& c) {
     return wire::CreateRemoveDirect(b, fmt::format("{}[{}]", nameOf(c.list), c.element).c_str());
 }
+auto written(Builder& b, const Undo& c) { return wire::CreateUndo(b, c.operators); }
 
 template <class Table>
 auto input(Builder& b, uint32_t seq, flatbuffers::Offset<Table> command) {

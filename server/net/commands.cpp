@@ -80,6 +80,7 @@ std::variant<CommandBody, Refusal> readCommand(const wire::Input& input, const S
         return Refusal{wire::ErrorCode::forbidden, forbidden(role, least)};
     if (!read.refusal) read.refusal = std::visit(Judge{facts, medium}, read.body);
     if (read.refusal) return *std::move(read.refusal);
+    if (auto* undo = std::get_if<Undo>(&read.body)) undo->operators = role >= wire::Role::operator_;
     return std::move(read.body);
 }
 

@@ -13,6 +13,7 @@
 #include "server/net/cloud_query.h"
 #include "server/net/http_connection.h"
 #include "server/net/particles_ply.h"
+#include "server/net/path_query.h"
 #include "server/net/picture_query.h"
 #include "server/net/uri.h"
 
@@ -192,6 +193,12 @@ Reply HttpConnection::sceneFile(std::string_view query) const {
     const auto picture = readPictureQuery(query, context_->options, scene.camera);
     if (const auto* wrong = std::get_if<std::string>(&picture)) return lineReply(400, *wrong);
     scene.camera = std::get<PictureQuery>(picture).camera;
+    const auto fields = parseQuery(query); // which has been read once
+    if (const auto given = fields->find("path"); given != fields->end()) {
+        auto path = readPathQuery(given->second);
+        if (const auto* wrong = std::get_if<std::string>(&path)) return lineReply(400, *wrong);
+        scene.camera_keys = std::get<std::vector<CameraKey>>(std::move(path));
+    }
     Reply reply;
     reply.content_type = "application/toml";
     reply.body = sceneToml(scene);

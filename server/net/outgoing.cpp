@@ -131,6 +131,15 @@ const T& valueIn(const SceneReport& report, std::string_view path) {
     return std::get<T>(report.settings.at(size_t(found - live.begin())));
 }
 
+flatbuffers::Offset<flatbuffers::Vector<const wire::CameraKey*>> packKeys(Builder& b,
+                                                                          const std::vector<CameraKey>& keys) {
+    if (keys.empty()) return 0;
+    std::vector<wire::CameraKey> all;
+    for (const CameraKey& key : keys)
+        all.emplace_back(toWire(key.position), toWire(key.target), key.fov_y, all.empty() ? 0 : key.seconds);
+    return b.CreateVectorOfStructs(all);
+}
+
 auto packLayers(Builder& b, const FrameLayers& layers) {
     const uint32_t lengths[wire::kLayerPictures] = {uint32_t(layers.colours.size()), uint32_t(layers.data.size()),
                                                     uint32_t(layers.surface.size())};
@@ -158,10 +167,11 @@ wire::Packed packWelcome(const Viewer& viewer, const PoseRequest& granted, const
         const auto scenes = packStrings(b, shown.others);
         const auto lists = packLists(b, facts);
         const auto medium = packText(b, shown.scene.medium.model);
+        const auto path = packKeys(b, shown.scene.camera_keys);
         return wire::CreateWelcome(b, viewer.id(), server, scene, device, granted.width, granted.height, granted.views,
                                    float(1 / kTickSeconds), uint8_t(std::min(audience.maxInFlight(), 255u)), camera,
                                    methods, quadratures, resume, viewer.resumed(), role, settings, starts, scenes,
-                                   lists, medium, true);
+                                   lists, medium, path, true);
     });
 }
 
@@ -178,6 +188,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
         const auto standstill = report.standstill.empty() ? 0 : packText(b, report.standstill);
         const auto not_drawable = report.not_drawable.empty() ? 0 : packText(b, report.not_drawable);
         const auto preparing = report.preparing.empty() ? 0 : packText(b, report.preparing);
+        const auto undo = report.undo.empty() ? 0 : packText(b, report.undo);
         // For viewers older than SceneState.settings: what there was then. New settings need nothing here.
         const auto number = [&](const char* path) { return valueIn<float>(report, path); };
         const auto vector = [&](const char* path) { return toWire(valueIn<glm::vec3>(report, path)); };
@@ -191,7 +202,7 @@ wire::Packed packSceneState(const SceneReport& report, uint32_t viewers, const S
             &to_light, &irradiance, number("light.rotate"), number("medium.extinction"), number("medium.falloff"),
             number("medium.anisotropy"), number("medium.asymmetry"), &albedo, method, quadrature,
             valueIn<uint32_t>(report, "render.isv.steps"), number("render.exposure"), packed_passes, plan,
-            packed_values, &lo, &hi, lists, standstill, preparing, not_drawable);
+            packed_values, &lo, &hi, lists, standstill, preparing, not_drawable, undo);
     });
 }
 

@@ -48,7 +48,11 @@ struct Remove { // the elements behind it move up
     uint32_t element = 0;
 };
 
-using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart, SetParticles, Add, Remove>;
+struct Undo {               // takes back the newest change that can be: Set, Add, Remove or MoveVolume
+    bool operators = false; // True: who asks may take back what only operators change
+};
+
+using CommandBody = std::variant<Impulse, MoveVolume, Set, Restart, SetParticles, Add, Remove, Undo>;
 
 struct Command {
     uint32_t viewer = 0; // who asked

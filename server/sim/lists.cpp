@@ -153,6 +153,16 @@ std::string remove(SceneLists& lists, SceneList list, uint32_t element) {
     return {};
 }
 
+std::string insert(SceneLists& lists, SceneList list, uint32_t element, const SceneLists& from, uint32_t which) {
+    if (element > lists.size(list)) return missing(lists, list, element);
+    visit(lists, list, [&]<class T>(std::vector<T>& to) {
+        visit(from, list, [&]<class U>(const std::vector<U>& elements) {
+            if constexpr (std::is_same_v<T, U>) to.insert(to.begin() + element, elements[which]);
+        });
+    });
+    return {};
+}
+
 std::string problemOf(const SceneLists& lists, bool particles) {
     for (size_t i = 0; i < lists.fogs.size(); ++i)
         if (!(lists.fogs[i].lo < lists.fogs[i].hi)) return fmt::format("fog[{}]: lo must be below hi", i);

@@ -35,6 +35,8 @@ SceneParts partsOf(SceneLists& lists, SceneList list, uint32_t element);
 std::string set(SceneLists& lists, const std::vector<Change>& changes); // settings that are in no list are left out
 std::string add(SceneLists& lists, SceneList list, const std::vector<Change>& changes); // after the others
 std::string remove(SceneLists& lists, SceneList list, uint32_t element);
+// Puts a copy of an element of other lists in front of the one that is `element` now, or behind the last.
+std::string insert(SceneLists& lists, SceneList list, uint32_t element, const SceneLists& from, uint32_t which = 0);
 
 // What is wrong with lists as a whole, in one line; empty: nothing. `particles`: true if the medium has any.
 std::string problemOf(const SceneLists& lists, bool particles);

@@ -161,35 +161,36 @@ std::string Simulation::State::apply(const Impulse& c) {
 }
 
 std::string Simulation::State::apply(const MoveVolume& c) {
+    if (finite(c.offset)) keep({tick, false, MoveBack{moved}});
     if (finite(c.offset)) moved = clamped(moved + clamped(c.offset, limits::kPlace), limits::kPlace);
     return {};
 }
 
-// Changes the lists as `edit` does, or says why that cannot be: then they stay.
-template <class Edit>
-std::string Simulation::State::change(Edit edit) {
-    tried = now.lists;
-    std::string problem = edit(tried);
-    if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
-    if (problem.empty() && !isMixable(now.medium) && !(tried.fogs.empty() && tried.lights.empty()))
-        problem = "fog, points and spots are drawn only with medium.model = \"sum\"";
-    if (!problem.empty()) return problem;
-    std::swap(now.lists, tried);
-    lists_changed = true;
-    ++settings_version;
-    return {};
-}
-
 std::string Simulation::State::apply(const Add& c) {
-    return change([&](SceneLists& lists) { return add(lists, c.list, c.changes); });
+    std::string problem = change([&](SceneLists& lists) { return add(lists, c.list, c.changes); });
+    if (problem.empty()) keep({tick, false, Remove{c.list, uint32_t(now.lists.size(c.list) - 1)}});
+    return problem;
 }
 
 std::string Simulation::State::apply(const Remove& c) {
-    return change([&](SceneLists& lists) { return remove(lists, c.list, c.element); });
+    SceneLists removed;
+    std::string problem = change([&](SceneLists& lists) {
+        if (c.element < lists.size(c.list)) insert(removed, c.list, 0, lists, c.element);
+        return remove(lists, c.list, c.element);
+    });
+    if (problem.empty()) keep({tick, false, PutBack{c.list, c.element, std::move(removed)}});
+    return problem;
+}
+
+std::string Simulation::State::apply(const Set& c) {
+    Before was = before(c);
+    std::string problem = give(c);
+    if (problem.empty()) keep(std::move(was));
+    return problem;
 }
 
 // All changes, or none.
-std::string Simulation::State::apply(const Set& c) {
+std::string Simulation::State::give(const Set& c) {
     const auto darkens = [](const Change& one) {
         return one.setting->path == "render.scattering" && one.value != SettingValue(std::string("propagation"));
     };
@@ -209,6 +210,7 @@ std::string Simulation::State::apply(const Restart&) {
     columns->copyFrom(*first_columns);
     motion->restart();
     steps = first_step;
+    changes.clear();
     moved = glm::vec3(0);
     now.lists = first_now.lists;
     lists_changed = true;
@@ -299,6 +301,7 @@ uint64_t Simulation::origin() const { return state_->origin; }
 std::span<const RefusedCommand> Simulation::refused() const { return state_->refused; }
 uint64_t Simulation::listsHash() const { return state_->lists_hash; }
 uint64_t Simulation::settingsVersion() const { return state_->settings_version; }
+std::string Simulation::undoText() const { return state_->changes.text(); }
 uint32_t Simulation::liveCount() const { return state_->motion->liveCount(); }
 uint32_t Simulation::capacity() const { return state_->rows; }
 uint64_t Simulation::bytes() const { return state_->columns->bytes() + state_->first_columns->bytes() + besides(); }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/scene.h"
@@ -66,7 +67,7 @@ public:
     void load(std::span<const std::byte> bytes);
 
     // One tick of 1/60 s: applies the commands in order, then moves the particles unless paused. Allocates nothing but
-    // for commands that change lists.
+    // for commands that change lists or settings: how these were before is kept for Undo.
     void step(std::span<const Command> commands);
     // Of the last step.
     std::span<const RefusedCommand> refused() const;
@@ -80,6 +81,8 @@ public:
     uint64_t listsHash() const;
     // A number that grows when a command sets settings. What changes by itself (a turning light) leaves it as it is.
     uint64_t settingsVersion() const;
+    // What Undo would do now, in a few words for people; empty: there is nothing to undo.
+    std::string undoText() const;
     uint32_t liveCount() const;
     uint64_t firstId() const;  // Motion::firstId(), of the particles as write() has them
     uint32_t capacity() const; // most particles that can be alive at once

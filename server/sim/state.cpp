@@ -43,6 +43,7 @@ void Simulation::State::exchange(StateBytes& bytes) {
     bytes.value(lists_hash); // of the lists after the last command: lights that orbit have moved since
     motion->exchange(bytes, *columns, {.number = steps, .volume = volume(), .settings = now.simulation});
     exchangeColumns(bytes);
+    changes.exchange(bytes);
 }
 
 // Of living rows, and but for sigma, which settle() computes. A column that is as at the start is but a flag.

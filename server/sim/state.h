@@ -12,6 +12,7 @@
 #include "server/sim/motion.h"
 #include "server/sim/obstacles.h"
 #include "server/sim/simulation.h"
+#include "server/sim/undo.h"
 
 namespace brume {
 
@@ -35,8 +36,12 @@ struct Simulation::State {
     std::string apply(const SetParticles& c);
     std::string apply(const Add& c);
     std::string apply(const Remove& c);
+    std::string apply(const Undo& c);
+    std::string give(const Set& c); // apply(), without keeping how it was before
     template <class Edit>
     std::string change(Edit edit);
+    Before before(const Set& c);
+    void keep(Before change); // to be called after the change
 
     void advance(); // one step of the particles, the volume and the light
     void settle();  // what follows from the rest: sigma, bounds, hash
@@ -62,6 +67,7 @@ struct Simulation::State {
 
     SceneLists tried; // those that a command would make
     uint64_t lists_hash = 0;
+    ChangeStack changes;                 // that can be taken back
     bool lists_changed = false;          // True: lists_hash is of those before
     std::vector<RefusedCommand> refused; // in this tick
 
@@ -70,5 +76,20 @@ struct Simulation::State {
     Bounds bounds;
     std::optional<Past> past;
 };
+
+// Changes the lists as `edit` does, or says why that cannot be: then they stay.
+template <class Edit>
+std::string Simulation::State::change(Edit edit) {
+    tried = now.lists;
+    std::string problem = edit(tried);
+    if (problem.empty()) problem = problemOf(tried, now.medium.layout != Layout::none);
+    if (problem.empty() && !isMixable(now.medium) && !(tried.fogs.empty() && tried.lights.empty()))
+        problem = "fog, points and spots are drawn only with medium.model = \"sum\"";
+    if (!problem.empty()) return problem;
+    std::swap(now.lists, tried);
+    lists_changed = true;
+    ++settings_version;
+    return {};
+}
 
 } // namespace brume

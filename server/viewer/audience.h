@@ -33,6 +33,7 @@ struct SceneReport {
     uint64_t lists_hash = 0;  // Simulation::listsHash()
     std::string standstill;   // why no tick comes, one line; empty: ticks come
     std::string not_drawable; // why viewers cannot draw by themselves, one line; empty: they can
+    std::string undo;         // Simulation::undoText()
     std::string preparing;    // name of another scene that is being made ready; empty: none is
     struct {
         std::string method;

@@ -44,7 +44,9 @@ const std::vector<CommandBody>& bodies() {
         Add{SceneList::fogs, {}},
         Add{SceneList::spheres, {{SceneList::spheres, "sphere.radius", 0.1f}}},
         Remove{SceneList::fogs, 3},
-        Remove{SceneList::lights, 999'999}};
+        Remove{SceneList::lights, 999'999},
+        Undo{},
+        Undo{true}};
     return all;
 }
 
@@ -82,6 +84,7 @@ struct BitsOf {
         (*this)(static_cast<uint32_t>(c.list));
         (*this)(c.changes);
     }
+    void operator()(const Undo& c) const { (*this)(c.operators); }
     void operator()(const Remove& c) const { (*this)(static_cast<uint32_t>(c.list)), (*this)(c.element); }
 };
 uint64_t bitsOf(const CommandBody& body) {

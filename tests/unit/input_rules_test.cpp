@@ -334,6 +334,7 @@ TEST_F(SessionRulesTest, ARoleMayDoWhatItIsFor) {
     EXPECT_EQ(least([&](auto& b) { return setAll(b, {"fog[0].extinction"}); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateAddDirect(b, "light"); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRemoveDirect(b, "light[0]"); }), "controller");
+    EXPECT_EQ(least([](auto& b) { return wire::CreateUndo(b); }), "controller");
     EXPECT_EQ(least([](auto& b) { return wire::CreateRestart(b); }), "operator");
     medium.layout = Layout::live;
     EXPECT_EQ(least([](auto& b) { return wire::CreateSetParticles(b); }), "operator");

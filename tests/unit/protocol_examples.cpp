@@ -79,6 +79,7 @@ std::vector<Example> makeExamples() {
         return CreateAddDirect(b, "light", &changes);
     }));
     all.push_back(input("input_remove", 11, [](Builder& b) { return CreateRemoveDirect(b, "fog[1]"); }));
+    all.push_back(input("input_undo", 12, [](Builder& b) { return CreateUndo(b); }));
     all.push_back(example("ack", [](Builder& b) { return CreateAck(b, 41); }));
     all.push_back(example("ping", [](Builder& b) { return CreatePing(b, 7, 9'007'199'254'740'993); }));
     all.push_back(example("pong", [](Builder& b) { return CreatePong(b, 7, 9'007'199'254'740'993); }));
@@ -170,6 +171,14 @@ std::vector<Example> makeExamples() {
                                    nullptr, nullptr, false, Role::controller, nullptr, nullptr, nullptr, nullptr,
                                    "union");
     }));
+    all.push_back(example("welcome_path", [&](Builder& b) {
+        const Vec3 position(0, 2, 26), target(0, 0.5f, 0);
+        const auto camera = CreateCamera(b, &position, &target, 0.75f);
+        const std::vector<CameraKey> path{{position, target, 0.75f, 0}, {v, target, 0.5f, 2.5f}};
+        return CreateWelcomeDirect(b, 3, "brume 0.1.0", "cloud", "llvmpipe", 1280, 720, 1, 60, 2, camera, nullptr,
+                                   nullptr, nullptr, false, Role::controller, nullptr, nullptr, nullptr, nullptr,
+                                   nullptr, &path);
+    }));
     all.push_back(example("scene_state_lists", [&](Builder& b) {
         // A spot and a point, each with its type, place and cone.
         const std::vector<float> lights{1, 1.5f, -2.25f, 26, 0.5f, 0, 0.5f, 0, -1, 0.25f};
@@ -181,6 +190,11 @@ std::vector<Example> makeExamples() {
         return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
                                       "isv", "simpson", 2, 1, nullptr, 0, nullptr, nullptr, nullptr, nullptr,
                                       "the log is away");
+    }));
+    all.push_back(example("scene_state_undo", [&](Builder& b) {
+        return CreateSceneStateDirect(b, 7, 8, 1, 500, false, &to_light, &irradiance, 0.25f, 15, 1.5f, 0, 0, &albedo,
+                                      "isv", "simpson", 2, 1, nullptr, 0, nullptr, nullptr, nullptr, nullptr, nullptr,
+                                      nullptr, nullptr, "medium.extinction back to 1.2");
     }));
     all.push_back(frame("frame", {13}, jpeg));
     all.push_back(frame("frame_stereo", {7, 6}, jpeg));

@@ -89,6 +89,8 @@ Json of(const Set& c) { return Json::object({{"changes", changesOf(c.changes())}
 Json of(const Add& c) { return Json::object({{"list", text(c.list())}, {"changes", changesOf(c.changes())}}); }
 Json of(const Remove& c) { return Json::object({{"path", text(c.path())}}); }
 
+Json of(const Undo& c) { return Json::object({{"operators", c.operators()}}); }
+
 Json floats(const flatbuffers::Vector<float>* list) {
     return list ? Json(std::vector<float>(list->begin(), list->end())) : Json(nullptr);
 }
@@ -125,6 +127,9 @@ Json of(const Input& m) {
         break;
     case Command::Remove:
         command = of(*m.command_as_Remove());
+        break;
+    case Command::Undo:
+        command = of(*m.command_as_Undo());
         break;
     case Command::NONE:
         break;
@@ -194,6 +199,14 @@ Json of(const Welcome& m) {
     if (m.starts()) out["starts"] = values(*m.starts());
     if (m.scenes()) out["scenes"] = names(m.scenes());
     if (m.medium()) out["medium"] = m.medium()->str();
+    if (m.path()) {
+        out["path"] = Json::array();
+        for (const CameraKey* key : *m.path())
+            out["path"].push_back(Json::object({{"position", vec(&key->position())},
+                                                {"target", vec(&key->target())},
+                                                {"fov_y", key->fov_y()},
+                                                {"seconds", key->seconds()}}));
+    }
     if (m.lists()) {
         out["lists"] = Json::array();
         for (const List* list : *m.lists())
@@ -233,6 +246,7 @@ Json of(const SceneState& m) {
     if (m.plan() && m.plan()->text()) out["plan"]["text"] = text(m.plan()->text());
     if (m.plan() && m.plan()->promised() > 0) out["plan"]["promised"] = m.plan()->promised();
     if (m.settings()) out["settings"] = values(*m.settings());
+    if (m.undo()) out["undo"] = m.undo()->str();
     if (m.lo()) out["lo"] = vec(m.lo());
     if (m.hi()) out["hi"] = vec(m.hi());
     if (m.lists()) {

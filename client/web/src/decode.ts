@@ -2,6 +2,7 @@
 // frame's views, or packed columns of particles, follow it.
 import { ByteBuffer } from 'flatbuffers';
 import { Body } from './wire/brume/wire/body';
+import type { CameraKey as WireKey } from './wire/brume/wire/camera-key';
 import type { Elements as WireElements } from './wire/brume/wire/elements';
 import { DepthLayers as WireLayers } from './wire/brume/wire/depth-layers';
 import { Error as WireError } from './wire/brume/wire/error';
@@ -21,6 +22,8 @@ import { SceneState as WireSceneState } from './wire/brume/wire/scene-state';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Welcome as WireWelcome } from './wire/brume/wire/welcome';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
+import { MOST_KEYS } from './camera-keys';
+import type { CameraKey } from './camera-keys';
 import { decodeParticles } from './lit-particles';
 import { decodePeople } from './people-wire';
 import { ProtocolError } from './protocol';
@@ -151,6 +154,16 @@ function decodeValue(v: WireValue | null): SettingValue {
   return vector ? toVec3(vector) : (v?.text() ?? v?.number() ?? 0);
 }
 
+function decodeKey(key: WireKey | null): CameraKey {
+  if (!key) throw new ProtocolError('a key view that is not there');
+  return {
+    position: toVec3(key.position()),
+    target: toVec3(key.target()),
+    fovY: key.fovY(),
+    seconds: key.seconds(),
+  };
+}
+
 function decodeWelcome(w: WireWelcome): Welcome {
   const camera = w.camera();
   if (!camera) throw new ProtocolError('welcome without a camera');
@@ -173,6 +186,7 @@ function decodeWelcome(w: WireWelcome): Welcome {
     lists: toList(w.listsLength(), MAX_LISTS, (i) => decodeList(w.lists(i))),
     medium: w.medium() ?? '',
     people: w.people(),
+    path: toList(w.pathLength(), MOST_KEYS, (i) => decodeKey(w.path(i))),
   };
 }
 
@@ -192,7 +206,7 @@ const decodeElements = (list: WireElements | null): number[] =>
 
 function decodeScene(s: WireSceneState): SceneState {
   const [plan, lo, hi] = [s.plan(), s.lo(), s.hi()];
-  const [standstill, preparing, notDrawable] = [s.standstill(), s.preparing(), s.notDrawable()];
+  const [standstill, preparing, notDrawable, undo] = [s.standstill(), s.preparing(), s.notDrawable(), s.undo()];
   return {
     kind: 'scene',
     tick: s.tick(),
@@ -210,6 +224,7 @@ function decodeScene(s: WireSceneState): SceneState {
     ...(standstill ? { standstill: standstill.slice(0, MAX_LINE) } : {}),
     ...(preparing ? { preparing: preparing.slice(0, MAX_LINE) } : {}),
     ...(notDrawable ? { notDrawable: notDrawable.slice(0, MAX_LINE) } : {}),
+    ...(undo ? { undo: undo.slice(0, MAX_LINE) } : {}),
   };
 }
 

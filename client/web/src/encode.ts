@@ -18,6 +18,7 @@ import { Quat as WireQuat } from './wire/brume/wire/quat';
 import { Remove as WireRemove } from './wire/brume/wire/remove';
 import { Restart } from './wire/brume/wire/restart';
 import { Set as WireSet } from './wire/brume/wire/set';
+import { Undo } from './wire/brume/wire/undo';
 import { Vec3 as WireVec3 } from './wire/brume/wire/vec3';
 import { Frustum as WireFrustum } from './wire/brume/wire/frustum';
 import type { Change as OneChange, Command, Frustum, HelloMessage, PoseMessage, Vec3 } from './protocol';
@@ -124,6 +125,8 @@ function buildCommand(builder: Builder, command: Command): [CommandType, number]
     case 'restart':
       Restart.startRestart(builder);
       return [CommandType.Restart, Restart.endRestart(builder)];
+    case 'undo':
+      return [CommandType.Undo, Undo.createUndo(builder, false)];
   }
 }
 

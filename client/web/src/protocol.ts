@@ -1,4 +1,5 @@
 // The messages of brume.v1 as plain objects; encode.ts and decode.ts turn them to bytes and back.
+import type { CameraKey } from './camera-keys';
 import type { Role } from './role';
 
 export const SUBPROTOCOL = 'brume.v1';
@@ -45,7 +46,8 @@ export type Command =
   | { kind: 'set'; changes: Change[] }
   | { kind: 'add'; list: string; changes: Change[] } // paths without an index
   | { kind: 'remove'; path: string } // an element of a list: fog[1]
-  | { kind: 'restart' };
+  | { kind: 'restart' }
+  | { kind: 'undo' };
 
 export interface Change {
   path: string;
@@ -96,6 +98,7 @@ export interface Welcome {
   lists: List[]; // empty from older servers
   medium: string; // the scene's medium.model; empty from older servers
   people: boolean; // true: the server takes Presence and Lead
+  path: CameraKey[]; // the scene's key views; empty where it has none, and from older servers
 }
 
 // Corners of a box along the axes, m.
@@ -118,6 +121,7 @@ export interface SceneState {
   preparing?: string; // name of another scene that is being made ready to be shown; absent: none is
   standstill?: string; // why no tick comes at present, one line; absent: ticks come
   notDrawable?: string; // why viewers cannot draw this scene by themselves, one line; absent: they can
+  undo?: string; // what an undo would do now, in a few words; absent: nothing, or an older server
 }
 
 export interface Plan {

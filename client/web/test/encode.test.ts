@@ -70,6 +70,7 @@ describe('encode', () => {
     input('input_add', (c) => ({ kind: 'add', list: field(c, 'list') as string, changes: changesOf(c) }));
     input('input_remove', (c) => ({ kind: 'remove', path: field(c, 'path') as string }));
     input('input_restart', () => ({ kind: 'restart' }));
+    input('input_undo', () => ({ kind: 'undo' }));
   });
 
   test('an optional number that is zero is sent, one that is not given is not', () => {

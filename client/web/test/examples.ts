@@ -25,6 +25,7 @@ import { Pose } from '../src/wire/brume/wire/pose';
 import { Presence } from '../src/wire/brume/wire/presence';
 import { Remove } from '../src/wire/brume/wire/remove';
 import { Restart } from '../src/wire/brume/wire/restart';
+import { Undo } from '../src/wire/brume/wire/undo';
 import { Role } from '../src/wire/brume/wire/role';
 import { SettingKind } from '../src/wire/brume/wire/setting-kind';
 import { SceneState } from '../src/wire/brume/wire/scene-state';
@@ -66,6 +67,7 @@ const tables: { [type: string]: new () => object } = {
     Presence,
     Remove,
     Restart,
+    Undo,
     SceneState,
   },
   ...{ Set: WireSet, SetParticles, Welcome },
@@ -91,6 +93,7 @@ const LISTS = [
   'hues',
   'objects',
   'people',
+  'path',
 ];
 
 // Reads, with the generated code, the fields that `like` has, into the JSON that the examples are written in.
@@ -109,7 +112,7 @@ function read(table: object, like: Fields): Fields {
     else if (key === 'command') {
       const Table = tables[like['command_type'] as string];
       out[key] = Table ? read(call(name, new Table()) as object, value as Fields) : null;
-    } else if (LISTS.includes(key) && value !== null) {
+    } else if (LISTS.includes(key) && Array.isArray(value)) {
       const items = Array.from({ length: call(`${name}Length`) as number }, (_, i) => call(name, i));
       const wanted = value as Json[];
       out[key] = items.map((x, i) => {

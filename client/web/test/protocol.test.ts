@@ -72,11 +72,26 @@ describe('decode', () => {
       scenes: [],
       medium: '',
       people: false, // as from a server before there were people
+      path: [],
       lists: [],
       resume: '',
       role: 'operator', // as before there were roles
       camera: present(camera, { position: 'position', target: 'target', fovY: 'fov_y' }),
     });
+  });
+
+  test('the key views of a scene', () => {
+    expect(decode(bytesOf('welcome_path'))).toMatchObject({
+      path: [
+        { position: [0, 2, 26], target: [0, 0.5, 0], fovY: 0.75, seconds: 0 },
+        { position: [1.5, -2.25, 26], target: [0, 0.5, 0], fovY: 0.5, seconds: 2.5 },
+      ],
+    });
+  });
+
+  test('what an undo would do', () => {
+    expect(decode(bytesOf('scene_state_undo'))).toMatchObject({ undo: 'medium.extinction back to 1.2' });
+    expect(decode(bytesOf('scene_state_standstill'))).not.toHaveProperty('undo');
   });
 
   test('the model of the medium', () => {
