@@ -20,7 +20,8 @@ namespace {
 Path pathNamed(const std::string& name) {
     if (name == "stereo") return {client::PathKind::orbit, true};
     const auto kind = client::pathNamed(name);
-    if (!kind) refuse("--paths", name, "is not one of orbit, fly, walk, still, stereo, or several of them: orbit,fly");
+    if (!kind || kind == client::PathKind::keys)
+        refuse("--paths", name, "is not one of orbit, fly, walk, still, stereo, or several of them: orbit,fly");
     return {*kind, false};
 }
 

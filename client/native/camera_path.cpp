@@ -17,7 +17,8 @@ constexpr struct {
 } kPaths[]{{PathKind::still, "still", kOrbitSeconds},
            {PathKind::orbit, "orbit", kOrbitSeconds},
            {PathKind::fly, "fly", kFlySeconds},
-           {PathKind::walk, "walk", kWalkSeconds}};
+           {PathKind::walk, "walk", kWalkSeconds},
+           {PathKind::keys, "keys", kOrbitSeconds}};
 
 glm::vec3 aroundY(glm::vec3 v, double angle) {
     const float c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
@@ -27,6 +28,7 @@ glm::vec3 aroundY(glm::vec3 v, double angle) {
 } // namespace
 
 Pose CameraPath::at(double seconds) const {
+    if (kind == PathKind::keys && keys) return poseOf(keys->at(seconds));
     const glm::vec3 away = position - target;
     if (kind == PathKind::orbit)
         return lookAt(target + aroundY(away, 2 * std::numbers::pi * seconds / kOrbitSeconds), target, fov_y);

@@ -1,10 +1,11 @@
 // Cameras that move along a path, and the ray through a cursor.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string_view>
 
-#include "common/camera.h"
+#include "common/camera_keys.h"
 
 namespace brume::client {
 
@@ -15,12 +16,14 @@ enum class PathKind {
     orbit, // a circle around the target, at the height of the start
     fly,   // a figure eight through the target, looking along the path
     walk,  // a small circle around the start, at its height, looking about: where the start is inside, it stays there
+    keys,  // through key views: a scene's own, or those of a file
 };
 
 struct CameraPath {
     PathKind kind = PathKind::still;
     glm::vec3 position{0, 2, 26}, target{0}; // m; the start, and what it moves about; never equal
     float fov_y = 0.8f;
+    std::shared_ptr<const KeyPath> keys = {}; // of kind keys; null: the camera is still
 
     // A pure function of the time since the start, in seconds.
     Pose at(double seconds) const;
@@ -28,7 +31,7 @@ struct CameraPath {
 
 std::optional<PathKind> pathNamed(std::string_view name);
 std::string_view nameOf(PathKind kind);
-double secondsOf(PathKind kind); // duration of one round, s
+double secondsOf(PathKind kind); // duration of one round, s; of keys that of an orbit
 
 struct Ray {
     glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit

@@ -32,6 +32,7 @@ void Gestures::handle(const SDL_Event& event, const Display& display) {
         if (event.key.repeat) break;
         if (event.key.keysym.sym == SDLK_f) controls_.toggleFly();
         if (event.key.keysym.sym == SDLK_SPACE) pause_toggled_ = true;
+        if (event.key.keysym.sym == SDLK_z && (SDL_GetModState() & KMOD_CTRL) != 0) undo_asked_ = true;
         break;
     case SDL_MOUSEWHEEL:
         touched_ = true;
@@ -75,6 +76,7 @@ void Gestures::passTime(float seconds) {
     controls_.move(hurry * glm::normalize(direction), seconds);
 }
 
+bool Gestures::undoAsked() { return std::exchange(undo_asked_, false); }
 bool Gestures::pauseToggled() { return std::exchange(pause_toggled_, false); }
 
 std::optional<Impulse> Gestures::takeImpulse(const Pose& seen, float seconds) {

@@ -31,6 +31,7 @@ public:
 
     bool touched() const { return touched_; } // true once the user has moved the camera, which ends a path
     bool pauseToggled();                      // true once for each press of Space
+    bool undoAsked();                         // the same for Ctrl+Z
     Pose pose() const { return controls_.pose(); }
     void standAt(const Pose& pose) { controls_.standAt(pose); }
 
@@ -42,7 +43,7 @@ public:
 private:
     Controls controls_;
     uint8_t views_;
-    bool touched_ = false, pause_toggled_ = false;
+    bool touched_ = false, pause_toggled_ = false, undo_asked_ = false;
     std::optional<PushCursor> cursor_; // set while the user pushes
 };
 

@@ -90,6 +90,8 @@ private:
         if (granted.scene == std::exchange(scene_, granted.scene) && start_us_ > 0) return;
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
+        camera_.keys = options_.keys;
+        if (!camera_.keys && !granted.keys.empty()) camera_.keys = std::make_shared<const KeyPath>(granted.keys);
         start_us_ = nowUs();
     }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "client/native/drawn_scene.h"
+#include "client/native/film.h"
 #include "client/native/headless.h"
 #include "client/native/interrupt.h"
 #include "client/native/options.h"
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
     if (!options) return exit_code;
     try {
         Interrupt interrupt;
+        if (options->film) return runFilm(*options, interrupt), 0;
         std::optional<DrawnScene> drawn;
         if (options->draw) drawn.emplace();
         Painter* const painter = drawn ? &*drawn : nullptr;

@@ -9,7 +9,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "client/native/film.h"
 #include "common/option_range.h"
+#include "common/scene_camera.h"
 #include "common/view_names.h"
 
 namespace brume::client {
@@ -106,7 +108,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
     app.add_option(
            "--path", path,
-           "How the camera moves by itself: still, orbit, fly or walk; orbit with --pause and --frames N: N even steps")
+           "How the camera moves by itself: still, orbit, fly, walk, keys (the scene's key views), or a file with key "
+           "views: a scene, or TOML or JSON of keys alone; orbit with --pause and --frames N: N even steps")
         ->capture_default_str();
     app.add_option("--impulse", impulses,
                    "Push the cloud T seconds after the first frame: T:ox,oy,oz,dx,dy,dz,strength; repeatable");
@@ -118,7 +121,10 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_flag("--headless", options.headless, "No window");
     allow(app.add_option("--frames", options.frames, "Stop after so many frames; 0 = go on"), 0, 10'000'000);
     allow(app.add_option("--seconds", options.seconds, "Stop so long after the first frame; 0 = go on"), 0.0, 1e7);
-    app.add_option("--out", out, "Write the frames (frame-00001.jpg ...) and stats.json to this folder");
+    app.add_option("--out", out,
+                   "Write the frames (frame-00001.jpg ...) and stats.json to this folder; without a window also a film "
+                   "of the path, each frame at whole size and at rest: film.mp4 (with ffmpeg), or frames-%04d.png");
+    allow(app.add_option("--fps", options.fps, "Frames a second of a film")->capture_default_str(), 1, 240);
     app.add_flag("--no-save", no_save, "With --out: only stats.json, no pictures");
     allow(app.add_option("--timeout", options.timeout, "Give a connection up after so many seconds without a frame")
               ->capture_default_str(),
@@ -127,7 +133,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
         "--no-reconnect", no_reconnect,
         "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");
     app.footer("In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit,\n"
-               "Ctrl+drag to push the cloud, Space to pause it for everyone, Escape to leave.");
+               "Ctrl+drag to push the cloud, Space to pause it for everyone,\n"
+               "Ctrl+Z to undo the last change of anybody, Escape to leave.");
 
     try {
         app.parse(argc, argv);
@@ -145,17 +152,25 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
             throw CLI::ValidationError("--redraw", "is for a window with one eye");
         options.wishes.views = stereo ? 2 : 1;
         const auto kind = pathNamed(path);
-        if (!kind) refuse("--path", path, "still, orbit, fly or walk");
-        options.path = *kind;
+        std::error_code ignored;
+        if (!kind && !std::filesystem::is_regular_file(path, ignored))
+            refuse("--path", path, "still, orbit, fly, walk, keys, or a file with key views");
+        options.path = kind.value_or(PathKind::keys);
+        if (!kind) options.keys = std::make_shared<const KeyPath>(loadCameraKeys(path));
         if (!camera.empty()) options.camera = parseCamera(camera);
         if (options.camera) options.camera->kind = options.path;
+        if (options.camera) options.camera->keys = options.keys;
         for (const auto& text : impulses) options.impulses.push_back(parseImpulse(text));
         std::stable_sort(options.impulses.begin(), options.impulses.end(),
                          [](const TimedImpulse& a, const TimedImpulse& b) { return a.seconds < b.seconds; });
         options.out = out;
         options.save = !no_save;
         options.reconnect = !no_reconnect;
-        if (!out.empty() && options.save && options.frames == 0 && options.seconds == 0)
+        options.film = isFilm(options.out);
+        if (options.film && !options.headless) throw CLI::ValidationError("--out", "a film is made with --headless");
+        if (const std::string problem = options.film ? problemOf(options) : ""; !problem.empty())
+            throw CLI::ValidationError(problem);
+        if (!out.empty() && !options.film && options.save && options.frames == 0 && options.seconds == 0)
             throw CLI::ValidationError("--out",
                                        "needs --frames or --seconds, so that the disk does not fill up (or --no-save)");
     } catch (const CLI::Success& success) { // --help, --version

@@ -27,12 +27,15 @@ struct Options {
     double seconds = 0;               // stop so long after the first frame; 0: no limit
     double timeout = 10;              // s without a frame, or for connecting, before the connection counts as lost
     bool reconnect = true;            // true: connect again when the connection is lost
-    std::filesystem::path out;        // folder for statistics and pictures; empty: write nothing
+    std::filesystem::path out;        // folder for statistics and pictures, or a film; empty: write nothing
+    bool film = false;                // true: `out` is a film or numbered pictures of one
     bool save = true;                 // true: write the pictures too
     std::optional<CameraPath> camera; // replaces the scene's own camera; its kind is `path`
     PathKind path = PathKind::still;
-    std::vector<TimedImpulse> impulses; // sorted by time
-    bool pause = false;                 // true: pauses the scene, for everybody, before the first picture
+    std::shared_ptr<const KeyPath> keys; // of kind keys, from a file; null: the scene's own
+    uint32_t fps = 30;                   // frames a second of a film
+    std::vector<TimedImpulse> impulses;  // sorted by time
+    bool pause = false;                  // true: pauses the scene, for everybody, before the first picture
 };
 
 constexpr uint8_t kDrawHz = 30;          // messages a second, of a client that draws

@@ -13,8 +13,6 @@
 #include "client/native/jpeg.h"
 
 namespace brume::client {
-namespace {
-
 void writeFile(const std::filesystem::path& path, std::span<const char> bytes) {
     errno = 0;
     std::ofstream file(path, std::ios::binary);
@@ -23,7 +21,14 @@ void writeFile(const std::filesystem::path& path, std::span<const char> bytes) {
     if (!file) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
 }
 
-} // namespace
+void writePng(const std::filesystem::path& path, const Picture& picture) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = uint32_t(picture.width), image.height = uint32_t(picture.height);
+    image.format = PNG_FORMAT_RGB;
+    if (!png_image_write_to_file(&image, path.c_str(), 0, picture.rgb.data(), 0, nullptr))
+        throw std::runtime_error("cannot write " + path.string() + ": " + image.message);
+}
 
 Recorder::Recorder(std::filesystem::path folder, bool save_frames)
     : folder_(std::move(folder)), save_frames_(save_frames) {
@@ -48,13 +53,7 @@ void Recorder::frame(const Received& message) {
 
 void Recorder::picture(const Picture& picture) {
     if (folder_.empty() || !save_frames_) return;
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = uint32_t(picture.width), image.height = uint32_t(picture.height);
-    image.format = PNG_FORMAT_RGB;
-    const std::filesystem::path path = folder_ / fmt::format("frame-{:05}.png", next_);
-    if (!png_image_write_to_file(&image, path.c_str(), 0, picture.rgb.data(), 0, nullptr))
-        throw std::runtime_error("cannot write " + path.string() + ": " + image.message);
+    writePng(folder_ / fmt::format("frame-{:05}.png", next_), picture);
     ++next_;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 
 #include "client/native/jpeg.h"
 #include "client/native/session.h"
@@ -9,7 +10,10 @@
 
 namespace brume::client {
 
-// Every failure throws std::runtime_error: one line with the path and the reason.
+// Every failure here throws std::runtime_error: one line with the path and the reason.
+void writeFile(const std::filesystem::path& path, std::span<const char> bytes);
+void writePng(const std::filesystem::path& path, const Picture& picture);
+
 class Recorder {
 public:
     // Creates the folder and checks that it can be written to. With an empty path nothing is recorded.

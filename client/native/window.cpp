@@ -149,6 +149,8 @@ private:
         if (granted.scene == std::exchange(scene_, granted.scene) && gestures_) return;
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
         camera_.fov_y = granted.fov_y;
+        camera_.keys = options_.keys;
+        if (!camera_.keys && !granted.keys.empty()) camera_.keys = std::make_shared<const KeyPath>(granted.keys);
         gestures_.emplace(camera_, options_.wishes.views);
         seen_ = gestures_->pose();
         start_us_ = nowUs();
@@ -177,6 +179,10 @@ private:
             next_push_us_ = now + kPushEveryUs;
             if (const auto impulse = gestures_->takeImpulse(sheets_ ? gestures_->pose() : seen_, seconds))
                 send(session, *impulse);
+        }
+        if (gestures_->undoAsked()) {
+            session.sendUndo();
+            statistics_.inputSent();
         }
         if (gestures_->pauseToggled()) {
             session.sendPaused(!paused_);

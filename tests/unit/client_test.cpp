@@ -1,6 +1,8 @@
 // The client's parts that need no server.
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -8,6 +10,7 @@
 #include "client/native/camera_path.h"
 #include "client/native/controls.h"
 #include "client/native/endpoint.h"
+#include "client/native/film.h"
 #include "client/native/link.h"
 #include "client/native/options.h"
 #include "client/native/statistics.h"
@@ -140,6 +143,41 @@ TEST(Backoff, DoublesToASecondAndKeepsWhatTheServerAsksFor) {
     EXPECT_LE(longest.next(1e9, 1), 301) << "a server may not send away for ever";
     longest.reset();
     EXPECT_EQ(longest.next(0, 1), 0.1);
+}
+
+TEST(Film, HasItsOptions) {
+    const auto file = std::filesystem::path(testing::TempDir()) / "film_keys.toml";
+    std::ofstream(file) << "[[key]]\nposition = [0, 0, 9]\n[[key]]\nposition = [0, 0, 5]\nseconds = 2\n";
+    const auto film = parsed({"--headless", "--path", file.c_str(), "--out", "a/film.mp4", "--fps", "24"});
+    ASSERT_TRUE(film);
+    EXPECT_TRUE(film->film);
+    EXPECT_EQ(film->path, PathKind::keys);
+    ASSERT_TRUE(film->keys);
+    EXPECT_EQ(film->keys->seconds(), 2);
+    EXPECT_EQ(film->fps, 24u);
+    const CameraPath path{.kind = PathKind::keys, .keys = film->keys};
+    expectNear(path.at(1).position, {0, 0, 7}, 1e-6f);
+    EXPECT_TRUE(parsed({"--headless", "--path", "orbit", "--out", "turn-%04d.exr"})->film);
+    EXPECT_FALSE(parsed({"--headless", "--frames", "3", "--out", "folder"})->film);
+    EXPECT_EQ(parsed({"--path", "keys"})->path, PathKind::keys) << "in a window, too";
+    const std::vector<std::vector<const char*>> bad{
+        {"--path", "orbit", "--out", "film.mp4"}, // in a window
+        {"--headless", "--out", "film.mp4"},      // of what?
+        {"--headless", "--path", "orbit", "--out", "film.mp4", "--size", "641x360"},
+        {"--headless", "--path", "orbit", "--out", "film.mp4", "--stereo"},
+        {"--headless", "--path", "orbit", "--out", "film.mp4", "--fps", "0"},
+        {"--headless", "--path", "orbit", "--out", "frames-%04d.tga"},
+        {"--headless", "--path", "orbit", "--out", "frames-%s.png"},
+        {"--headless", "--path", "orbit", "--out", "frames-%d-%d.png"},
+        {"--headless", "--path", "no-such-file.toml", "--out", "film.mp4"},
+        {"--headless", "--path", file.parent_path().c_str(), "--out", "film.mp4"}};
+    for (const auto& arguments : bad) EXPECT_FALSE(parsed(arguments)) << arguments[arguments.size() - 1];
+}
+
+TEST(Film, NumbersItsPictures) {
+    EXPECT_EQ(numbered("a/frames-%04d.png", 7), "a/frames-0007.png");
+    EXPECT_EQ(numbered("%d.jpg", 12), "12.jpg");
+    EXPECT_EQ(numbered("f%03d.exr", 12345), "f12345.exr");
 }
 
 TEST(CameraPath, EachStartsWhereItIsTold) {
