@@ -38,6 +38,10 @@ std::vector<uint8_t> encodePng(const PictureView& picture, size_t most) {
     return encode(pixels.data(), picture.layout.width, picture.layout.height, PNG_FORMAT_RGB, 0, most);
 }
 
+std::vector<uint8_t> encodeRgbaPng(const uint8_t* pixels, uint32_t width, uint32_t height) {
+    return encode(pixels, width, height, PNG_FORMAT_RGBA, 0, SIZE_MAX);
+}
+
 std::vector<uint8_t> encodeGreyPng(const uint8_t* plane, uint32_t width, uint32_t height, uint32_t stride) {
     return encode(plane, width, height, PNG_FORMAT_GRAY, stride, SIZE_MAX);
 }

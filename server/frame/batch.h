@@ -3,7 +3,9 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
+#include "server/encode/cut_out.h"
 #include "server/error/error_meter.h"
 #include "server/loop/batch_planner.h"
 #include "server/render/renderer.h"
@@ -24,6 +26,8 @@ struct Batch : BatchContents {
     bool spare = false;                 // True: its pictures' memory is to be freed as soon as nobody reads them
     RenderSettings settings;            // that it is drawn with
     std::unique_ptr<MeterJob> measured; // pixels that are read back with it; null: none
+
+    std::optional<RawPicture> raw; // of a one-shot picture with alpha, in place of its planes
 
     bool isFree() const { return pending.load() == 0; }
     // True: the job's pictures are drawn for it; false: they are those of another one.

@@ -159,6 +159,7 @@ bool Drawing::light() {
 // False when nothing is on the device then.
 bool Drawing::render(Batch& batch) {
     batch.taken = Clock::now();
+    batch.raw.reset();
     audience_.list(viewers_);
     if (whyNotDrawable(shown_).empty())
         std::erase_if(viewers_, [](const auto& viewer) { return viewer->drawHz() > 0; });
@@ -238,6 +239,16 @@ bool Drawing::renderOneShot(Batch& batch) {
     batch.finer = true;
     batch.error = float(way.error);
     batch.submission.probe.pixels.clear();
+    const EyeRequest& eye = batch.eyes.front();
+    if (batch.jobs.front().due.request.alpha != Alpha::none)
+        batch.raw = RawPicture{.width = eye.width,
+                               .height = eye.height,
+                               .radiance = {},
+                               .view_depth = {},
+                               .eye = eye.pose,
+                               .sky = shown_.scene->sky,
+                               .exposure = way.settings.exposure,
+                               .filmic = way.settings.tone_map == "filmic"};
     return submit(batch, way.settings);
 }
 
@@ -263,6 +274,7 @@ bool Drawing::submit(Batch& batch, const RenderSettings& settings) {
     try {
         checkPictures(batch.eyes, full, features, picture_memory_ / 2, mostPlaneBytes());
         renderer_->drawOnly(shown_.drawn);
+        renderer_->keepRadiance(batch.raw.has_value());
         renderer_->submit(batch.submission, shown_.simulation, batch.eyes, &settings, full);
     } catch (const gpu::DeviceLost&) {
         throw;
@@ -331,6 +343,10 @@ void Drawing::done(Batch& batch) {
     batch.done = Clock::now();
     measuring_.after(batch, true);
     const float took = Millis(batch.done - batch.taken).count();
+    if (batch.raw) { // the device has nothing else to do then
+        batch.raw->radiance = renderer_->readRadiance();
+        batch.raw->view_depth = renderer_->readDepths();
+    }
     const std::span<const gpu::PassSample> samples = batch.submission.commands.readTimes();
     const DeviceLedger::Times times = ledger_.book(samples, batch);
     metrics_.drawn(times.shared_ms, times.views_ms, batch.finer);

@@ -35,6 +35,15 @@ LayersPtr frameLayers(const DepthLayersView& view, const PlaneLayout& picture, i
                                                            .surface = std::move(encoded.surface)});
 }
 
+EncodedPictures cutOut(const RawPicture& picture, Alpha alpha) {
+    EncodedPictures out;
+    out.bytes[0] =
+        std::make_shared<const std::vector<uint8_t>>(alpha == Alpha::exr ? cutOutExr(picture) : cutOutPng(picture));
+    out.format = PictureFormat::png;
+    out.quality = 100;
+    return out;
+}
+
 } // namespace
 
 Encoding::Encoding(Metrics& metrics) : metrics_(metrics), workers_(std::clamp(usableCores(), kLeast, kMost)) {}
@@ -62,7 +71,8 @@ void Encoding::deliver(const Batch& batch, uint32_t job, std::span<const Picture
     try {
         const PoseRequest& wanted = batch.jobs[job].due.request;
         const EncodedPictures pictures =
-            encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
+            batch.raw ? cutOut(*batch.raw, wanted.alpha)
+                      : encodePictures(views, {wanted.quality, wanted.lossless, wanted.still_picture}, jpeg);
         std::array<LayersPtr, 2> layered;
         // A frame has layers of all its views or of none. Those of a method that has none are empty.
         const auto eyes = std::span(batch.eyes).subspan(batch.jobs[job].first_eye, views.size());

@@ -209,8 +209,8 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
         }
         auto& authorization = std::get<Authorization>(checked);
         if (path == "/ws") return upgrade(request, std::move(authorization));
-        if (path == "/snapshot.jpg" || path == "/snapshot.png")
-            return snapshot(request, path.ends_with("png"), query, std::move(authorization));
+        if (path == "/snapshot.jpg" || path == "/snapshot.png" || path == "/snapshot.exr")
+            return snapshot(request, path.substr(path.find('.') + 1), query, std::move(authorization));
         if (path == "/stream.mjpg") return stream(request, query, std::move(authorization));
         if (path == "/scene") return showScene(request, query);
         if (path == "/cloud") return showCloud(parser, query, std::move(authorization));

@@ -57,7 +57,7 @@ private:
     asio::awaitable<bool> answer(RequestParser& parser);
     std::optional<Reply> receive(const HttpRequest& request); // http_forwarded.cpp
     asio::awaitable<bool> upgrade(const HttpRequest& request, Authorization authorization);
-    asio::awaitable<bool> snapshot(const HttpRequest& request, bool png, std::string_view query,
+    asio::awaitable<bool> snapshot(const HttpRequest& request, std::string_view kind, std::string_view query,
                                    Authorization authorization);
     Newcomer newcomer(const Authorization& authorization) const;
     asio::awaitable<bool> stream(const HttpRequest& request, std::string_view query, Authorization authorization);

@@ -41,12 +41,18 @@ Newcomer HttpConnection::newcomer(const Authorization& authorization) const {
 }
 
 // One still picture of a camera that the query places, within the scene's error whatever the load.
-asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool png, std::string_view query,
-                                               Authorization authorization) {
+asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, std::string_view kind,
+                                               std::string_view query, Authorization authorization) {
     auto read = readPictureQuery(query, context_->options, room_->audience.scene()->scene.camera);
     if (auto* wrong = std::get_if<std::string>(&read))
         co_return co_await send(request, "snapshot", lineReply(400, std::move(*wrong)));
-    const PictureQuery& picture = std::get<PictureQuery>(read);
+    PictureQuery& picture = std::get<PictureQuery>(read);
+    if (kind == "exr") picture.request.alpha = Alpha::exr;
+    picture.request.lossless = picture.request.lossless || kind == "png" || prefersPng(request);
+    if (picture.request.alpha == Alpha::png && !picture.request.lossless)
+        co_return co_await send(request, "snapshot", lineReply(400, "a JPEG has no alpha: /snapshot.png or .exr"));
+    if (picture.request.alpha != Alpha::none && picture.request.show != 0)
+        co_return co_await send(request, "snapshot", lineReply(400, "a view has no alpha: leave out view"));
 
     FramePtr frame;
     std::string refusal;
@@ -65,7 +71,6 @@ asio::awaitable<bool> HttpConnection::snapshot(const HttpRequest& request, bool 
         }
         PoseRequest pose = picture.request;
         pose.one_shot = true;
-        pose.lossless = pose.lossless || png || prefersPng(request);
         if (!picture.has_quality) pose.quality = std::max(pose.quality, kSnapshotQuality);
         pose.received = Clock::now();
         handle->viewer().setPose(pose);
@@ -95,7 +100,7 @@ asio::awaitable<bool> HttpConnection::stream(const HttpRequest& request, std::st
         co_return co_await send(request, "stream", lineReply(400, std::move(*wrong)));
     PictureQuery picture = std::get<PictureQuery>(read);
 
-    if (picture.request.lossless)
+    if (picture.request.lossless || picture.request.alpha != Alpha::none)
         co_return co_await send(request, "stream", lineReply(400, "a stream is JPEG; /snapshot.png is a PNG"));
     const auto [place, full] =
         context_->streams.take(ownerOf(authorization, slot_->network()), context_->options.max_streams);

@@ -46,6 +46,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
     if (!fields) return "the query is not of the form name=value&name=value";
 
     PictureQuery out;
+    bool alpha = false;
     float width = 0, height = 0, quality = options.default_quality; // 0: not given
     for (const auto& [name, value] : *fields) {
         const auto number = [&, &text = value](float& into, Limits allowed) {
@@ -81,8 +82,12 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
         } else if (name == "target") {
             if (!readNumbers(value, &camera.target.x, 3, limits::kPlace)) return place();
         } else if (name == "format") {
-            if (value != "jpeg" && value != "png") return refuse("jpeg or png");
+            if (value != "jpeg" && value != "png" && value != "exr") return refuse("jpeg, png or exr");
             out.request.lossless = value == "png";
+            if (value == "exr") out.request.alpha = Alpha::exr;
+        } else if (name == "alpha") {
+            if (value != "0" && value != "1") return refuse("0 or 1");
+            alpha = value == "1";
         } else if (name == "keep_size") {
             if (value != "0" && value != "1") return refuse("0 or 1");
             out.request.keeps_size = value == "1";
@@ -96,6 +101,7 @@ std::variant<PictureQuery, std::string> readPictureQuery(std::string_view query,
             if (out.ignored.size() < kMostTold) out.ignored.push_back(plainName(name));
         }
     }
+    if (alpha && out.request.alpha == Alpha::none) out.request.alpha = Alpha::png;
     if (glm::distance(camera.position, camera.target) < 1e-3f) return "position and target must differ";
 
     // One side alone keeps the shape of the default size.

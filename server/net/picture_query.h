@@ -1,5 +1,5 @@
-// The query of /snapshot.jpg, /snapshot.png and /stream.mjpg:
-// ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=&keep_size=&view=
+// The query of /snapshot.jpg, /snapshot.png, /snapshot.exr and /stream.mjpg:
+// ?w=&h=&quality=&position=x,y,z&target=x,y,z&fov=&fps=&keep_size=&view=&format=&alpha=
 #pragma once
 
 #include <string>

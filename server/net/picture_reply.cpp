@@ -5,7 +5,10 @@
 
 namespace brume::net {
 
-const char* contentTypeOf(const EncodedFrame& frame) { return frame.png ? "image/png" : "image/jpeg"; }
+const char* contentTypeOf(const EncodedFrame& frame) {
+    if (frame.request.alpha == Alpha::exr) return "image/x-exr";
+    return frame.png ? "image/png" : "image/jpeg";
+}
 
 std::vector<std::pair<std::string, std::string>> headersOf(const EncodedFrame& frame, const PictureQuery& query) {
     const PoseRequest& request = frame.request;

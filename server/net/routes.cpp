@@ -17,6 +17,7 @@ constexpr Route kRoutes[] = {
     {"/viewers", kRead, Role::operator_},
     {"/snapshot.jpg", kGet, Role::viewer},
     {"/snapshot.png", kGet, Role::viewer},
+    {"/snapshot.exr", kGet, Role::viewer},
     {"/stream.mjpg", kGet, Role::viewer},
     {"/pause", kPost, Role::controller},
     {"/resume", kPost, Role::controller},

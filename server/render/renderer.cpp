@@ -354,6 +354,11 @@ std::vector<glm::vec4> Renderer::readDrawn(VkExtent2D size) {
     return all;
 }
 
+std::vector<float> Renderer::readDepths() {
+    if (!features_.opaque) return {};
+    return brume::readDepths(device_, targets_.of(last_size_), last_size_);
+}
+
 std::vector<glm::vec4> Renderer::readRadiance() {
     if (step_ == 1 || features_.opaque) return readDrawn(last_size_);
     const VkExtent2D drawn{drawn_.back().width, drawn_.back().height};

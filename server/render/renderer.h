@@ -128,10 +128,12 @@ public:
     // For tests that go through many methods: keeps up to `most` compiled, at least 1, instead of two.
     void keepMethods(size_t most) { most_methods_ = most; }
 
-    // For tests and measurements: the float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
+    // The float radiance (RGB) and transmittance (A) of the last eye, read back slowly.
     // Needs keepRadiance(true) before the submission; methods with a field are slower then.
     void keepRadiance(bool keep) { compose_.keepRadiance(keep); }
     std::vector<glm::vec4> readRadiance();
+    // Likewise the view depths (m) of the surfaces in front of the sky; empty where no surface is drawn.
+    std::vector<float> readDepths();
 
 private:
     Method& methodFor(const RenderSettings& settings);

@@ -17,7 +17,9 @@ constexpr VkImageUsageFlags kUsage =
 constexpr VkImageUsageFlags kCopied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
 
 gpu::ImageInfo radianceInfo(VkExtent2D size) { return {kRadianceFormat, size, kUsage | kCopied}; }
-gpu::ImageInfo depthInfo(VkExtent2D size) { return {VK_FORMAT_R32_SFLOAT, size, kUsage}; }
+gpu::ImageInfo depthInfo(VkExtent2D size) {
+    return {VK_FORMAT_R32_SFLOAT, size, kUsage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+}
 
 // Where the images of one target lie in its memory: radiance at the start, view depth behind it.
 struct Place {
@@ -94,29 +96,47 @@ void Targets::giveBack() {
     memory_ = {};
 }
 
-void copyRows(VkCommandBuffer cmd, const RenderTarget& target, uint32_t width, Rows rows, const gpu::Buffer& to) {
+namespace {
+
+template <class T>
+void copy(VkCommandBuffer cmd, const gpu::Image& image, uint32_t width, Rows rows, const gpu::Buffer& to) {
     VkBufferImageCopy copy{};
-    copy.bufferOffset = VkDeviceSize(width) * rows.first * sizeof(glm::vec4);
+    copy.bufferOffset = VkDeviceSize(width) * rows.first * sizeof(T);
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     copy.imageOffset = {0, int32_t(rows.first), 0};
     copy.imageExtent = {width, rows.end - rows.first, 1};
-    vkCmdCopyImageToBuffer(cmd, target.radiance.handle(), VK_IMAGE_LAYOUT_GENERAL, to.handle(), 1, &copy);
+    vkCmdCopyImageToBuffer(cmd, image.handle(), VK_IMAGE_LAYOUT_GENERAL, to.handle(), 1, &copy);
 }
 
-std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size) {
+template <class T>
+std::vector<T> read(const gpu::Device& device, const gpu::Image& image, VkExtent2D size) {
     const size_t count = size_t(size.width) * size.height;
-    const gpu::Buffer pixels(device, count * sizeof(glm::vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
-                             "radiance readback");
-    gpu::Commands commands(device, "read radiance");
+    const gpu::Buffer pixels(device, count * sizeof(T), VK_BUFFER_USAGE_TRANSFER_DST_BIT, gpu::Memory::readback,
+                             "target readback");
+    gpu::Commands commands(device, "read target");
     const VkCommandBuffer cmd = commands.begin();
     gpu::everythingBefore(cmd);
-    copyRows(cmd, target, size.width, {0, size.height}, pixels);
+    copy<T>(cmd, image, size.width, {0, size.height}, pixels);
     gpu::transferToHost(cmd);
     commands.submit();
     commands.wait(~0ull);
     pixels.invalidate();
-    const std::span<glm::vec4> mapped = pixels.mapped<glm::vec4>(count);
+    const std::span<T> mapped = pixels.mapped<T>(count);
     return {mapped.begin(), mapped.end()};
+}
+
+} // namespace
+
+void copyRows(VkCommandBuffer cmd, const RenderTarget& target, uint32_t width, Rows rows, const gpu::Buffer& to) {
+    copy<glm::vec4>(cmd, target.radiance, width, rows, to);
+}
+
+std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size) {
+    return read<glm::vec4>(device, target.radiance, size);
+}
+
+std::vector<float> readDepths(const gpu::Device& device, const RenderTarget& target, VkExtent2D size) {
+    return read<float>(device, target.view_depth, size);
 }
 
 std::vector<glm::vec4> interpolated(std::span<const glm::vec4> pixels, uint32_t nodes, VkExtent2D size, uint32_t step) {

@@ -52,6 +52,9 @@ void copyRows(VkCommandBuffer cmd, const RenderTarget& target, uint32_t width, R
 // The first `size` pixels of the target's radiance, row by row. Waits for the device: slow, for tests and measurements.
 std::vector<glm::vec4> readTarget(const gpu::Device& device, const RenderTarget& target, VkExtent2D size);
 
+// The same of the view depths of surfaces.
+std::vector<float> readDepths(const gpu::Device& device, const RenderTarget& target, VkExtent2D size);
+
 // A picture of `size` out of every `step`-th of its pixels, `nodes` of them a row, as present.comp interpolates them.
 std::vector<glm::vec4> interpolated(std::span<const glm::vec4> pixels, uint32_t nodes, VkExtent2D size, uint32_t step);
 

@@ -23,6 +23,10 @@ constexpr bool isNewer(uint32_t a, uint32_t b) { return int32_t(a - b) > 0; }
 // Why pictures are less than what was asked for. The values are wire::Reduced's.
 enum class Reduced : uint8_t { no, link, device };
 
+// A one-shot picture whose sky is left out: with straight colours as shown (PNG), or with linear radiance times alpha
+// (EXR).
+enum class Alpha : uint8_t { none, png, exr };
+
 // A request for the pictures of one viewer at one pose.
 struct PoseRequest {
     uint32_t seq = 0;
@@ -41,6 +45,7 @@ struct PoseRequest {
     uint8_t draw_hz = 0;                // above 0: the viewer draws by itself, from so many LitTicks a second at most
     uint8_t layers = 0;                 // layers with depth besides each picture; 0: none
     uint32_t follows = 0;               // id of the person whose camera this is; 0: the viewer's own
+    Alpha alpha = Alpha::none;          // with one_shot alone
     uint8_t show = 0;                   // number of a view (common/view_names.h); 0: the picture itself
     Clock::time_point received{};
     Clock::time_point since{}; // when this view was first asked for; set by Viewer

@@ -61,7 +61,8 @@ bool samePictures(const PoseRequest& a, const PoseRequest& b) {
            a.pose.fov_y == b.pose.fov_y && a.pose.eye_separation == b.pose.eye_separation &&
            a.pose.frustum == b.pose.frustum && a.pose.right_frustum == b.pose.right_frustum && a.width == b.width &&
            a.height == b.height && a.views == b.views && a.quality == b.quality && a.still_picture == b.still_picture &&
-           a.lossless == b.lossless && a.one_shot == b.one_shot && a.show == b.show && a.layers == b.layers;
+           a.lossless == b.lossless && a.one_shot == b.one_shot && a.show == b.show && a.layers == b.layers &&
+           a.alpha == b.alpha;
 }
 
 Viewer::Viewer(uint32_t id, const PacingOptions& pacing, std::function<void()> notify)
