@@ -1,4 +1,4 @@
-// The medium's box and a scale bar, drawn over the picture. The lines are computed without a page.
+// The medium's box, a scale bar and the axes, drawn over the picture. The lines are computed without a page.
 import { add, scale, subtract } from './camera';
 import { rotate } from './projection';
 import type { Box, Quat, Vec3 } from './protocol';
@@ -81,6 +81,25 @@ export function lengthText(...metres: readonly number[]): string {
   return `${metres.map((one) => Number((one * factor).toPrecision(3))).join(' × ')} ${unit}`;
 }
 
+// The world's axes as the eye sees their directions, around `middle`. Those that point away from the eye come first, as
+// they are behind the others. `toward`: it points to the eye, or to neither side.
+export function axesOf(eye: Eye, middle: Point, length: number): { name: string; tip: Point; toward: boolean }[] {
+  const directions: [string, Vec3][] = [
+    ['x', [1, 0, 0]],
+    ['y', [0, 1, 0]],
+    ['z', [0, 0, 1]],
+  ];
+  return directions
+    .map(([name, axis]) => ({ name, seen: rotate(conjugate(eye.orientation), axis) }))
+    .sort((a, b) => a.seen[2] - b.seen[2])
+    .map(({ name, seen: [x, y, z] }) => ({
+      name,
+      tip: { x: middle.x + length * x, y: middle.y - length * y },
+      toward: z >= -1e-9,
+    }));
+}
+
+const AXES = { right: 56, above: 56, length: 34 }; // CSS pixels
 const BAR = { left: 18, above: 18, tick: 5 }; // CSS pixels
 
 export interface Lines {
@@ -101,8 +120,19 @@ export function beginLines(canvas: HTMLCanvasElement, ratio: number): Lines | un
   return { context, width, height };
 }
 
-// Draws both, the scale `above` CSS pixels over its usual place.
-export function drawBox({ context, width, height }: Lines, box: Box, eye: Eye, above: number): void {
+// Draws box, scale and axes on a canvas that beginLines() has cleared, the scale `above` CSS pixels over its usual place.
+export function drawBox(lines: Lines, box: Box, eye: Eye, above: number): void {
+  drawFigure(lines.context, lines, box, eye, above);
+}
+
+// The same on what is there. `context` counts in CSS pixels; `above`: the part of the height, from below, to leave out.
+export function drawFigure(
+  context: CanvasRenderingContext2D,
+  { width, height }: { width: number; height: number },
+  box: Box,
+  eye: Eye,
+  above: number,
+): void {
   // Light lines on a dark rim are seen on sky and on cloud.
   const stroke = (path: Path2D, faint: boolean): void => {
     context.setLineDash(faint ? [4, 5] : []);
@@ -120,6 +150,21 @@ export function drawBox({ context, width, height }: Lines, box: Box, eye: Eye, a
     path.lineTo(to.x, to.y);
     stroke(path, behind);
   }
+  const label = (text: string, x: number, y: number): void => {
+    context.setLineDash([]);
+    Object.assign(context, { font: '12px system-ui, sans-serif', lineWidth: 3, lineJoin: 'round' });
+    Object.assign(context, { strokeStyle: 'rgb(11 15 20 / 70%)', fillStyle: '#fff' });
+    context.strokeText(text, x, y);
+    context.fillText(text, x, y);
+  };
+  const middle = { x: width - AXES.right, y: height - AXES.above - above };
+  for (const { name, tip, toward } of axesOf(eye, middle, AXES.length)) {
+    const path = new Path2D();
+    path.moveTo(middle.x, middle.y);
+    path.lineTo(tip.x, tip.y);
+    stroke(path, !toward);
+    label(name, tip.x + Math.sign(tip.x - middle.x) * 6 - 3, tip.y + (tip.y < middle.y ? -5 : 13));
+  }
   const bar = barOf(box, eye, width, height);
   if (!bar) return;
   const [x, y] = [BAR.left, height - BAR.above - above];
@@ -129,13 +174,9 @@ export function drawBox({ context, width, height }: Lines, box: Box, eye: Eye, a
   path.lineTo(x + bar.pixels, y);
   path.lineTo(x + bar.pixels, y - BAR.tick);
   stroke(path, false);
-  context.setLineDash([]);
-  Object.assign(context, { font: '12px system-ui, sans-serif', lineWidth: 3, lineJoin: 'round' });
-  Object.assign(context, { strokeStyle: 'rgb(11 15 20 / 70%)', fillStyle: '#fff' });
   const lines = [lengthText(...subtract(box.hi, box.lo)), lengthText(bar.metres)];
   lines.forEach((text, i) => {
     const at = y - 10 - 17 * (lines.length - 1 - i);
-    context.strokeText(text, x, at);
-    context.fillText(text, x, at);
+    label(text, x, at);
   });
 }

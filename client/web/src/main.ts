@@ -1,6 +1,7 @@
 // The page around the view: settings, statistics, notices, tools and keys.
 import { reprojectionOf } from './viewing';
 import { BrumeView, defineBrumeView } from './brume-view';
+import { pathText } from './camera-keys';
 import { compare } from './compare';
 import { onKeys } from './controls';
 import type { Mode } from './controls';
@@ -10,6 +11,7 @@ import { Age } from './handle';
 import { Handles } from './handles';
 import { headsetSupported } from './headset';
 import { hintText, touchOnly } from './hint';
+import { KeyViews, pathAsked, useLens } from './key-views';
 import { copyLink } from './link';
 import { elementsOf } from './lists';
 import { Steady, lack, liveText } from './live';
@@ -25,12 +27,15 @@ import { Pointing } from './pointing';
 import type { Report } from './report';
 import { mayOperate, takeToken } from './role';
 import { RoomsPanel } from './rooms';
+import { savePicture } from './save-picture';
+import type { Still } from './save-picture';
 import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
 import { Scenes, chooseFile, cloudName, noteOf, onDrop, saveFile } from './scenes';
 import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
+import { onUndo, undoLast } from './undo';
 import type { Viewer } from './viewer';
 import { legendPart } from './views';
 
@@ -46,6 +51,7 @@ const notices = new Notices(() => viewer().link.retryNow());
 const query = new URLSearchParams(location.search);
 const { place, faults } = placeOf((name) => query.get(name));
 faults.push(...followAddress(settings, location.search));
+let path = pathAsked(query, faults); // of the first scene
 if (faults.length > 0) notices.note(faults.join(' '), 'error');
 
 // ---- the view ----
@@ -56,7 +62,10 @@ view.addEventListener('statechange', ({ detail: state }) => {
   if (state.name !== 'connected') notices.standstill(undefined); // nobody says so any more
 });
 view.addEventListener('note', ({ detail: { text, kind } }) => notices.note(text, kind));
-view.addEventListener('touched', () => document.body.classList.add('touched'));
+view.addEventListener('touched', () => {
+  document.body.classList.add('touched');
+  keyViews.stop();
+});
 view.addEventListener('picture', ({ detail: { frame, latency } }) => {
   document.body.style.setProperty('--legend-part', String(legendPart(frame)));
   if (latency) overlay.sample(latency);
@@ -68,6 +77,8 @@ let elements: Values[][] = []; // of the scene's lists, as last reported
 let age = new Age(); // of those
 view.addEventListener('welcome', ({ detail: welcome }) => {
   if (sceneName !== undefined && sceneName !== welcome.scene) notices.note(`Another scene is shown: ${welcome.scene}.`);
+  if (sceneName !== welcome.scene) keyViews.use(path ?? welcome.path);
+  path = undefined;
   sceneName = welcome.scene;
   elements = [];
   age = new Age(welcome.tickHz);
@@ -82,6 +93,7 @@ view.addEventListener('scenechange', ({ detail: scene }) => {
     elements = (viewer().welcome?.lists ?? []).map((list, i) => elementsOf(list, scene.lists?.[i] ?? []));
   age.report(scene.tick, paused(), scene.lists !== undefined);
   panel.lists(elements);
+  panel.undoable(viewer().mayControl ? scene.undo : undefined);
   const error = statistics.last?.measured && shownError(statistics.last, scene.plan);
   panel.follow(values, scene.plan, error, settingsBack().length > 0);
   setPressed(find('tool-pause'), paused());
@@ -178,8 +190,19 @@ const actions: Record<string, () => void> = {
   },
   pause: () =>
     viewer().mayControl && viewer().command({ kind: 'set', changes: [{ path: PAUSED, value: paused() ? 0 : 1 }] }),
-  reset: () => viewer().goHome(),
-  link: () => void copyLink(viewer().camera, viewer().fovY, settingsText(settings)).then((text) => notices.note(text)),
+  reset: () => {
+    keyViews.stop();
+    useLens(viewer(), place.fov);
+    viewer().goHome();
+  },
+  link: () => {
+    const path: [string, string][] = keyViews.keys.length > 0 ? [['path', pathText(keyViews.keys)]] : [];
+    const more = [...settingsText(settings), ...path];
+    void copyLink(viewer().camera, viewer().fovY, more).then((text) => notices.note(text));
+  },
+  key: () => keyViews.add(),
+  play: () => keyViews.toggle(),
+  undo: () => undoLast(viewer(), (text) => notices.note(text)),
   box: () => change({ box: !settings.box }),
   vr: () => void viewer().toggleHeadset(),
   ar: () => void viewer().toggleHeadset('ar'),
@@ -197,10 +220,14 @@ onKeys({
   KeyR: () => actions['reset']?.(),
   KeyB: () => actions['box']?.(),
   KeyL: () => actions['link']?.(),
+  KeyK: () => actions['key']?.(),
+  KeyV: () => actions['play']?.(),
   KeyI: () => actions['stats']?.(),
   KeyO: () => actions['panel']?.(),
   Escape: () => (viewer().pushing ? (viewer().pushing = false) : toggles.panel(false)),
 });
+
+onUndo(() => actions['undo']?.());
 
 function change(wish: Partial<typeof settings>): void {
   const was = { ...settings };
@@ -246,10 +273,32 @@ onDrop(mayChoose, (over) => document.body.classList.toggle('dropping', over), sh
 
 async function saveScene(): Promise<void> {
   const { camera, fovY, welcome } = viewer();
-  saveFile(`${cloudName(welcome?.scene ?? 'scene')}.toml`, await scenes.toml(camera, fovY));
+  saveFile(`${cloudName(welcome?.scene ?? 'scene')}.toml`, await scenes.toml(camera, fovY, keyViews.keys));
+}
+
+function saveStill(kind: Still): Promise<void> {
+  const { camera, fovY, welcome, scene } = viewer();
+  const shown = { camera, fovY, window: { width: view.clientWidth, height: view.clientHeight }, view: settings.view };
+  const named = { scene: cloudName(welcome?.scene ?? 'scene'), figure: settings.box ? scene?.box : undefined };
+  return savePicture(kind, { ...shown, ...named }, location.href, token);
 }
 
 // ---- panel and overlay ----
+
+const keyViews = new KeyViews({
+  camera: () => viewer().camera,
+  fovY: () => viewer().fovY,
+  look: (camera, fov) => {
+    viewer().camera = camera;
+    useLens(viewer(), fov);
+  },
+  note: (text, kind) => notices.note(text, kind),
+  copyLink: () => actions['link']?.(),
+  playing: (on, possible) => {
+    find('tool-play').hidden = !possible;
+    setPressed(find('tool-play'), on);
+  },
+});
 
 const panel = buildPanel(
   find('panel'),
@@ -276,10 +325,13 @@ const panel = buildPanel(
     showScene: (name) => void doing(`Loading ${name}…`, scenes.show(name)),
     openCloud: () => chooseFile(showCloud),
     saveScene: () => void doing('Saving the scene…', saveScene()),
+    undo: () => actions['undo']?.(),
+    savePicture: (kind) => void doing('Saving the picture…', saveStill(kind)),
     resetAll: () => viewer().command({ kind: 'set', changes: settingsBack() }),
     close: () => toggles.panel(false),
   },
   settings,
+  keyViews.element,
 );
 const handles = new Handles(find('handles'), {
   handles: () =>
@@ -322,7 +374,9 @@ function tellLack(): void {
 
 function animate(): void {
   requestAnimationFrame(animate);
-  if (view.viewer) handles.draw();
+  if (!view.viewer) return;
+  keyViews.animate(performance.now());
+  handles.draw();
 }
 
 function refresh(): void {

@@ -15,6 +15,7 @@ import type { Command, Plan, SettingValue, Welcome } from './protocol';
 import { mayOperate } from './role';
 import { UNITS, UPS } from './scenes';
 import type { FileFrame } from './scenes';
+import type { Still } from './save-picture';
 import type { Settings } from './settings';
 import { settingGroups, valuesOf } from './shared-settings';
 import type { SettingGroup, Values } from './shared-settings';
@@ -43,6 +44,8 @@ export interface PanelHost {
   openCloud(): void;
   saveScene(): void;
   resetAll(): void;
+  undo(): void;
+  savePicture(kind: Still): void;
   close(): void;
 }
 
@@ -57,6 +60,7 @@ export interface Panel {
   lists(elements: readonly (readonly Values[])[]): void; // of Welcome.lists, in that order
   handles(age: number): Choosable[]; // of the lists that are open; `age`: of what was told of them, s
   scene(name: string): void; // the one that is shown
+  undoable(what: string | undefined): void; // what an undo would do; undefined: nothing
   busy(text: string): void; // what is being done with the scene; empty: nothing
   fileFrame(): FileFrame; // of a file that is opened next
 }
@@ -72,16 +76,19 @@ const KEYS = [
   ['Ctrl, Alt', 'push while dragging'],
   ['T', 'point at something for everyone'],
   ['R', 'first camera'],
-  ['B', 'box and scale'],
+  ['B', 'box, scale and axes'],
   ['P', 'pause for everyone'],
   ['L', 'copy a link with this camera'],
+  ['K · V', 'add a key view · play the key views'],
+  ['Ctrl Z', 'undo the last change, for everyone'],
   ['I · O', 'statistics · settings'],
 ] as const;
 
 const keyList = (): HTMLElement =>
   el('dl', { class: 'keys' }, ...KEYS.map(([key, does]) => el('div', {}, el('dt', {}, key), el('dd', {}, does))));
 
-export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings): Panel {
+// `keyViews`: their group.
+export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings, keyViews: HTMLElement): Panel {
   const plan = el('small', {
     id: 'plan',
     title: 'What is rendered with now, its predicted error, and how many steps of accuracy overload has taken',
@@ -165,7 +172,15 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   let irradiance: SettingValue | undefined; // of the sun
   let viewed: View = chosen.view;
   const sayView = (): void => setText(viewSays, viewText(viewed, irradiance));
-  const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box and a scale in metres (B)');
+  const box = toggle('Box, scale', (on) => host.setBox(on), 'The medium’s box, a scale in metres, and the axes (B)');
+
+  const stills = (
+    [
+      ['png', 'Save picture', 'As a PNG, with the box, scale and axes where they are shown'],
+      ['cut', 'Without sky', 'As a PNG with alpha: the medium over nothing'],
+      ['exr', 'EXR', 'Linear radiance and alpha, without the sky'],
+    ] as const
+  ).map(([kind, text, title]) => button(text, title, () => host.savePicture(kind)));
 
   const scene = select('Scene', (name) => host.showScene(name), 'What everybody sees');
   const open = button(
@@ -181,6 +196,8 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const save = button('Save TOML', 'The scene as it is set now, with this camera, as a file', () => host.saveScene());
   const reset = button('Reset all', 'All settings back to what the scene began with', () => host.resetAll());
   reset.disabled = true;
+  const undo = button('Undo', 'Nothing to undo', () => host.undo());
+  undo.disabled = true;
   const doing = el('small'); // a note says the same
 
   const close = button('', 'Close (O)', () => host.close());
@@ -191,7 +208,7 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
   const place = el('div', { class: 'shared' });
   let shared: SettingGroup[] = [];
   let lists: ListGroup[] = [];
-  const actions = el('div', { class: 'actions' }, open, save, reset);
+  const actions = el('div', { class: 'actions' }, open, save, reset, undo);
   const scenes = group('Scene', true, scene.element, unit.element, up.element, actions, doing);
   const people = peoplePanel(host.people);
   root.append(
@@ -213,7 +230,9 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
       box.element,
       view.element,
       viewSays,
+      el('div', { class: 'actions' }, ...stills),
     ),
+    keyViews,
     group('Keys', false, keyList()),
   );
 
@@ -257,6 +276,10 @@ export function buildPanel(root: HTMLElement, host: PanelHost, chosen: Settings)
     handles: (age) => (root.hidden ? [] : lists.flatMap((list) => list.handles(age))),
     scene: (name) => scene.follow(name, true),
     busy: (text) => setText(doing, text),
+    undoable: (what) => {
+      undo.disabled = what === undefined;
+      undo.title = what === undefined ? 'Nothing to undo' : `For everyone: ${what} (Ctrl+Z)`;
+    },
     fileFrame: () => frame,
   };
 }

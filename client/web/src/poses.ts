@@ -16,6 +16,7 @@ const DRAWING_MS = 200;
 
 export interface PosesHost {
   readonly camera: Camera;
+  readonly fovY: number;
   readonly size: Size;
   readonly link: Connection;
   readonly statistics: Statistics;
@@ -32,7 +33,9 @@ export class Poses {
   private movedAt: number | undefined; // ms, of the first input since the last pose that was sent
   // The last pose that was sent. `said`: its numbers as the server reads them, in float32. `pose`: number of the first
   // pose with the same numbers, since the server draws a still picture only once.
-  private sent: { camera: Camera; size: Size; view: View; at: number; pose: number; said: string } | undefined;
+  private sent:
+    | { camera: Camera; fovY: number; size: Size; view: View; at: number; pose: number; said: string }
+    | undefined;
   private headAt = -Infinity; // ms, when the last pose of a headset was sent
   private readonly predictor = new Predictor(cameraGoesOn);
 
@@ -51,15 +54,16 @@ export class Poses {
 
   // Number of the pose that was sent for the camera as it is; undefined while a newer one is due.
   get current(): number | undefined {
-    return this.sent && same(this.sent.camera, this.host.camera) ? this.sent.pose : undefined;
+    const { sent, host } = this;
+    return sent && sent.fovY === host.fovY && same(sent.camera, host.camera) ? sent.pose : undefined;
   }
 
   // To be called once per animation frame.
   follow(now: number): void {
-    const { camera, size, wishes, link, drawing, people } = this.host;
+    const { camera, fovY, size, wishes, link, drawing, people } = this.host;
     this.predictor.add(now, camera);
     const { sent } = this;
-    const moved = !people.leader && !same(sent?.camera ?? camera, camera);
+    const moved = !people.leader && (sent?.fovY !== fovY || !same(sent.camera, camera));
     const changed = sent?.size !== size || sent.view !== wishes.view || moved;
     const apart = !changed ? REFRESH_MS : drawing.shown ? DRAWING_MS : 0;
     const due = sent === undefined || now - sent.at >= apart;
@@ -67,7 +71,7 @@ export class Poses {
   }
 
   ask(now: number): void {
-    const { camera, size, link, wishes, viewing, headset, latencyMs } = this.host;
+    const { camera, fovY, size, link, wishes, viewing, headset, latencyMs } = this.host;
     const lead = wishes.predict ? latencyMs : 0;
     const foreseen = (lead > 0 && this.predictor.predict(lead)) || camera;
     const wish = headset?.asked ?? viewing.wish(foreseen, size);
@@ -76,7 +80,7 @@ export class Poses {
     const numbers = [...wish.position, ...wish.orientation, wish.fovY, wish.width, wish.height];
     const said = numbers.map(Math.fround).join() + wishes.view;
     const pose = this.sent?.said === said ? this.sent.pose : link.lastPose;
-    this.sent = { camera, size, view: wishes.view, at: now, pose, said };
+    this.sent = { camera, fovY, size, view: wishes.view, at: now, pose, said };
   }
 
   // A pose of a headset, which has one at each of its display's pictures.

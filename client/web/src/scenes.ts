@@ -2,6 +2,8 @@
 // as a file. Over HTTP, with the token of the page.
 import { beside } from './address';
 import type { Camera } from './camera';
+import { pathText } from './camera-keys';
+import type { CameraKey } from './camera-keys';
 import { placeText } from './place';
 
 const LONGEST_NAME = 40;
@@ -43,14 +45,10 @@ export class Scenes {
     return this.post('cloud', cloudName(file.name) + query, file);
   }
 
-  // The scene as it was tuned, seen from this camera, as text.
-  async toml(camera: Camera, fov: number): Promise<string> {
-    return this.ask(
-      `scene.toml?${placeText(camera, fov)
-        .map((one) => one.join('='))
-        .join('&')}`,
-      {},
-    );
+  // The scene as it was tuned, seen from this camera and with these key views, as text.
+  async toml(camera: Camera, fov: number, keys: readonly CameraKey[] = []): Promise<string> {
+    const query = [...placeText(camera, fov), ['path', pathText(keys)]];
+    return this.ask(`scene.toml?${query.map((one) => one.join('=')).join('&')}`, {});
   }
 
   private post(route: string, name: string, body?: File): Promise<string> {
@@ -75,10 +73,12 @@ export class Scenes {
   }
 }
 
-// Hands a text to the browser as a file to save.
-export function saveFile(name: string, text: string): void {
+// Hands a text or bytes to the browser as a file to save.
+export function saveFile(name: string, content: string | Blob): void {
   const link = document.createElement('a');
-  link.href = URL.createObjectURL(new Blob([text], { type: 'application/toml' }));
+  link.href = URL.createObjectURL(
+    content instanceof Blob ? content : new Blob([content], { type: 'application/toml' }),
+  );
   link.download = name;
   link.click();
   window.setTimeout(() => URL.revokeObjectURL(link.href), 60_000);

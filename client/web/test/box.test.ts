@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { barOf, cornersOf, edgesOf, lengthText } from '../src/box';
+import { axesOf, barOf, cornersOf, edgesOf, lengthText } from '../src/box';
 import { lookAt, orientation } from '../src/camera';
 import type { Vec3 } from '../src/protocol';
 
@@ -55,5 +55,30 @@ describe('the scale', () => {
     expect(lengthText(13.84, 7, 0.25)).toBe('13.8 × 7 × 0.25 m');
     expect(lengthText(2000)).toBe('2 km');
     expect(lengthText(0.05)).toBe('50 mm');
+  });
+});
+
+describe('the axes', () => {
+  const middle = { x: 100, y: 100 };
+  const tips = (position: Vec3) =>
+    Object.fromEntries(axesOf(eyeAt(position), middle, 30).map(({ name, tip, toward }) => [name, { tip, toward }]));
+
+  test('point where the world’s do', () => {
+    const front = tips([0, 0, 5]);
+    expect(front['x']?.tip.x).toBeCloseTo(130, 9);
+    expect(front['y']?.tip.y).toBeCloseTo(70, 9);
+    expect(front['z']?.tip.x).toBeCloseTo(100, 9);
+    expect(front['z']?.toward).toBe(true);
+    const right = tips([5, 0, 0]);
+    expect(right['z']?.tip.x).toBeCloseTo(70, 9);
+    expect(right['x']?.toward).toBe(true);
+    const behind = tips([0, 0, -5]);
+    expect(behind['x']?.tip.x).toBeCloseTo(70, 9);
+    expect(behind['z']?.toward).toBe(false);
+  });
+
+  test('are drawn from the furthest to the nearest', () => {
+    expect(axesOf(eyeAt([3, 2, 5]), middle, 30).map(({ name }) => name)).toEqual(['y', 'x', 'z']);
+    expect(axesOf(eyeAt([-3, 2, 5]), middle, 30).map(({ name }) => name)).toEqual(['x', 'y', 'z']);
   });
 });
