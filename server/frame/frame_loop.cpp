@@ -93,7 +93,6 @@ void FrameLoop::run() {
 
         if (!drawing_.isBusy()) takeScene();
         const Clock::time_point now = Clock::now();
-        if (seat_ && !drawing_.isBusy()) seat_->give(now);
         if (!drawing_.isBusy()) drawing_.giveBack(now);
         if (const auto beginning = ticks_->beginning()) goOnFrom(*beginning);
         const bool sought = ticks_->seeks();
@@ -105,10 +104,9 @@ void FrameLoop::run() {
         pointing_.follow(*shown_.scene, shown_.simulation, audience_.people());
         followTicks(sought);
         followLists();
-        if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands()) && mayDraw(now)) {
+        if (!drawing_.isBusy() && !ticks_->seeks() && (drawing_.isDue() || ticks_->stands()) && mayDraw())
             drawing_.draw();
-            if (seat_ && !drawing_.isBusy()) seat_->give(Clock::now()); // nothing was due
-        }
+        if (seat_ && !drawing_.isBusy()) seat_->give(Clock::now()); // nothing was due
         if (now - told_.load_at >= kLoadEvery) {
             told_.load_at = now;
             drawing_.tellLoad(now);
@@ -118,10 +116,10 @@ void FrameLoop::run() {
 }
 
 // A scene that nobody looks at does not ask for the device that others share.
-bool FrameLoop::mayDraw(Clock::time_point now) {
+bool FrameLoop::mayDraw() {
     if (!seat_) return true;
     const uint32_t watchers = audience_.size();
-    return watchers > 0 && seat_->take(watchers, now);
+    return watchers > 0 && seat_->take(watchers, Clock::now());
 }
 
 void FrameLoop::tick() {

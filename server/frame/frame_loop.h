@@ -55,7 +55,7 @@ public:
 
 private:
     void run();
-    bool mayDraw(Clock::time_point now);
+    bool mayDraw();
     void tick();
     void tellRefused();
     void followTicks(bool sought);

@@ -1,6 +1,7 @@
 #include "server/loop/device_turns.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace brume {
 namespace {
@@ -46,16 +47,27 @@ void DeviceTurns::wakeOthers(uint32_t but) {
         if (number != but && entry.waits) entry.wake();
 }
 
+// Who had the device has it no more.
+void DeviceTurns::book(Time now) {
+    Entry& entry = entries_.at(std::exchange(holder_, 0));
+    entry.time += std::chrono::duration<double, std::milli>(now - taken_).count() / entry.weight;
+}
+
 // Who comes back after a pause has no claim on the time that it did not want.
 bool DeviceTurns::Seat::take(double weight, Time now) {
     const std::scoped_lock lock(turns_.mutex_);
     Entry& entry = turns_.entries_.at(number_);
-    if (turns_.entries_.size() > 1 && !entry.waits) entry.time = std::max(entry.time, turns_.now_);
+    const bool had = turns_.holder_ == number_;
+    if (had) turns_.book(now);
+    if (!had && !entry.waits) entry.time = std::max(entry.time, turns_.now_);
     entry.weight = weight;
     entry.waits = true;
     entry.wanted = now;
     if (turns_.holder_ != 0) return false;
-    if (turns_.next(now)->first != number_) return false;
+    if (turns_.next(now)->first != number_) {
+        if (had) turns_.wakeOthers(number_);
+        return false;
+    }
     turns_.holder_ = number_;
     turns_.taken_ = now;
     turns_.now_ = entry.time;
@@ -67,9 +79,7 @@ bool DeviceTurns::Seat::take(double weight, Time now) {
 void DeviceTurns::Seat::give(Time now) {
     const std::scoped_lock lock(turns_.mutex_);
     if (turns_.holder_ != number_) return;
-    turns_.holder_ = 0;
-    Entry& entry = turns_.entries_.at(number_);
-    entry.time += std::chrono::duration<double, std::milli>(now - turns_.taken_).count() / entry.weight;
+    turns_.book(now);
     turns_.wakeOthers(number_);
 }
 

@@ -23,7 +23,8 @@ public:
         Seat(const Seat&) = delete;
         Seat& operator=(const Seat&) = delete;
 
-        // Takes the device, if nobody has it and it is this seat's turn. Otherwise it is waited for. `weight`: above 0.
+        // Takes the device, if nobody has it and it is this seat's turn. Otherwise it is waited for. Who has it gives
+        // it back by that, and may have it again. `weight`: above 0.
         bool take(double weight, Time now);
         // Gives it back, if this seat has it. The time since take() is booked.
         void give(Time now);
@@ -46,7 +47,9 @@ private:
     };
     using Entries = std::map<uint32_t, Entry>;
 
+    // Preconditions of all: mutex_ is held.
     Entries::iterator next(Time now);
+    void book(Time now);
     void wakeOthers(uint32_t but);
 
     mutable std::mutex mutex_;

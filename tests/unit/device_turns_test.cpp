@@ -34,18 +34,22 @@ struct Loops {
         }
     }
     void runFor(std::chrono::milliseconds time) {
+        Loop* drawing = nullptr;
         for (const Time end = now + time; now < end;) {
-            Loop* drawing = nullptr;
-            for (Loop& loop : loops) // all ask; one has the device
-                if (loop.wants && loop.seat->take(loop.weight, now)) drawing = &loop;
+            for (Loop& loop : loops) // those who do not draw wait
+                if (loop.wants && &loop != drawing && loop.seat->take(loop.weight, now)) drawing = &loop;
             if (!drawing) {
                 now += 1ms;
                 continue;
             }
             now += drawing->batch;
             drawing->used += drawing->batch;
-            drawing->seat->give(now);
+            if (!drawing->wants || !drawing->seat->take(drawing->weight, now)) {
+                drawing->seat->give(now);
+                drawing = nullptr;
+            }
         }
+        if (drawing) drawing->seat->give(now);
     }
     double part(size_t number) const {
         double all = 0;

@@ -13,6 +13,7 @@ from brume.error import BrumeError  # noqa: E402
 from brume.frame import Frame, Measured  # noqa: E402
 from brume.layers import Layers  # noqa: E402
 from brume.notebook import show  # noqa: E402
+from brume.people import People, Person  # noqa: E402
 from brume.state import State  # noqa: E402
 from brume.version import VERSION  # noqa: E402
 from brume.viewer import Viewer  # noqa: E402
@@ -20,8 +21,8 @@ from brume.viewer import Viewer  # noqa: E402
 if TYPE_CHECKING:
     from brume.kinds import Array
 
-__all__ = ['AsyncViewer', 'BrumeError', 'Frame', 'Layers', 'Measured', 'State', 'Viewer', 'connect', 'connect_async',
-           'redraw', 'show']
+__all__ = ['AsyncViewer', 'BrumeError', 'Frame', 'Layers', 'Measured', 'People', 'Person', 'State', 'Viewer', 'connect',
+           'connect_async', 'redraw', 'show']
 __version__ = VERSION
 
 

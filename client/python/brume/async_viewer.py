@@ -6,9 +6,10 @@ import os
 from typing import TYPE_CHECKING, Any, AsyncIterator, Dict, Optional, Sequence, Union
 
 from brume import messages
+from brume.beside import ask
 from brume.core import LOADED, Core, bundle
 from brume.frame import Frame
-from brume.kinds import Numbers, Points, Value, Values
+from brume.kinds import Numbers, Points, Size, Value, Values
 from brume.steps import Steps, T, run_async
 from brume.viewer import cloud_of
 
@@ -102,6 +103,21 @@ class AsyncViewer(Core):
         """Starts the scene again."""
         await self._do(self._link.order([messages.restart()], self._timeout))
 
+    async def undo(self) -> None:
+        """As Viewer.undo()."""
+        await self._do(self._undo())
+
+    async def present(self, on: bool = True) -> None:
+        """As Viewer.present()."""
+        await self._do(self._present(on))
+
+    async def snapshot(self, format: str = 'png', alpha: bool = False, size: Optional[Size] = None,
+                       timeout: Optional[float] = None) -> bytes:
+        """As Viewer.snapshot()."""
+        route, query = self._still(format, alpha, size)
+        return await asyncio.get_running_loop().run_in_executor(None, ask, self._link, route, query, None,
+                                                                timeout or max(self._timeout, LOADED))
+
     async def show_scene(self, name: str) -> None:
         """As Viewer.show_scene()."""
         await self._show('scene', name, b'')
@@ -112,7 +128,7 @@ class AsyncViewer(Core):
 
     async def _show(self, route: str, name: str, body: bytes) -> None:
         before = self._before()
-        await asyncio.get_running_loop().run_in_executor(None, self._link.post, route, {'name': name}, body,
+        await asyncio.get_running_loop().run_in_executor(None, ask, self._link, route, {'name': name}, body,
                                                          max(self._timeout, LOADED))
         await self._do(self._shown(before))
 

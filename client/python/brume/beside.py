@@ -12,23 +12,28 @@ from brume.error import BrumeError
 if TYPE_CHECKING:
     import ssl
 
+    from brume.link import Link
+
 
 def _line(answer: urllib.error.HTTPError) -> str:
     return answer.read(1000).decode('utf-8', 'replace').split('\n')[0]
 
 
-def _ask(request: urllib.request.Request, token: Optional[str], tls: Optional[ssl.SSLContext], timeout: float) -> Any:
+def _ask(request: urllib.request.Request, token: Optional[str], tls: Optional[ssl.SSLContext], timeout: float) -> bytes:
     if token:
         request.add_header('Authorization', f'Bearer {token}')
-    urllib.request.urlopen(request, timeout=timeout, context=tls).close()
+    with urllib.request.urlopen(request, timeout=timeout, context=tls) as answer:
+        data: bytes = answer.read()
+        return data
 
 
-def post(socket: str, token: Optional[str], tls: Optional[ssl.SSLContext], route: str, query: Dict[str, str],
-         body: bytes, timeout: float) -> None:
-    """Asks the server of a socket for something; raises BrumeError with its line if it refuses. timeout: s."""
-    address = page_address(socket, f'{route}?{urllib.parse.urlencode(query)}')
+def ask(link: Link, route: str, query: Dict[str, Any], body: Optional[bytes], timeout: float) -> bytes:
+    """Asks a viewer's server for something; raises BrumeError with its line if it refuses. Returns the answer. body:
+    bytes to POST; None gets. timeout: s."""
+    address = page_address(link.address, f'{route}?{urllib.parse.urlencode(query)}')
     try:
-        _ask(urllib.request.Request(address, data=body, method='POST'), token, tls, timeout)
+        return _ask(urllib.request.Request(address, data=body, method='GET' if body is None else 'POST'), link.token,
+                    link.tls, timeout)
     except urllib.error.HTTPError as answer:
         code = 'forbidden' if answer.code in (401, 403) else 'unexpected'
         raise BrumeError(_line(answer) or f'HTTP {answer.code}', code) from None

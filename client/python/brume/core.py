@@ -5,7 +5,8 @@ import base64
 import math
 import time
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Set
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 from brume import messages
 from brume.address import page_address
@@ -14,6 +15,7 @@ from brume.error import BrumeError
 from brume.frame import Frame
 from brume.kinds import Size, Table, Value, Values
 from brume.link import Link
+from brume.people import KEEP, People, Presence, people_of
 from brume.state import State, state_of
 from brume.steps import Steps
 
@@ -32,6 +34,7 @@ class Core:
         self._last: Optional[Frame] = None  # that was returned last
         self._last_particles: Optional[Particles] = None
         self._view: Dict[str, Any] = {'size': size}
+        self._presence = Presence()
         self.server = self.device = ''  # as their names are
         # A viewer that nobody has any more leaves: in a notebook a cell is run again and again.
         weakref.finalize(self, link.leave).atexit = False
@@ -204,7 +207,56 @@ class Core:
         why = messages.text_of(link.state.Standstill()) if link.state else ''
         return f': the scene stands still: {why}' if why else ''
 
+    def _still(self, form: str, alpha: bool, size: Optional[Sequence[int]]) -> Tuple[str, Dict[str, Any]]:
+        """Route and query of a snapshot of the camera as it is."""
+        if form not in ('jpeg', 'png', 'exr'):
+            raise BrumeError(f'no format {form!r}; there are jpeg, png and exr', 'out_of_range')
+        if alpha and form == 'jpeg':
+            raise BrumeError('a JPEG has no alpha: png or exr', 'out_of_range')
+        view = self._view
+        (px, py, pz), (x, y, z, w) = view['position'], view['orientation']
+        away = max(1.0, *(abs(one) for one in view['position']))  # so that float32 tells the direction
+        ahead = (-2 * (x * z + w * y), -2 * (y * z - w * x), -1 + 2 * (x * x + y * y))
+        target = [at + away * part for at, part in zip((px, py, pz), ahead)]
+        width, height = size or view['size']
+        query = {'w': width, 'h': height, 'fov': view['fov'], 'keep_size': 1, 'position': f'{px!r},{py!r},{pz!r}',
+                 'target': ','.join(map(repr, target)), **({'alpha': 1} if alpha and form == 'png' else {})}
+        return f'snapshot.{"jpg" if form == "jpeg" else form}', query
+
+    # ---- people ----
+
+    @property
+    def people(self) -> People:
+        """Who is here; nobody before appear() was called."""
+        with self._link.changed:
+            return people_of(self._link.people)
+
+    def appear(self, name: str = KEEP, pointer: Optional[Tuple[Sequence[float], Sequence[float]]] = KEEP,
+               follow: int = KEEP) -> None:
+        """Says to all who this viewer is; what is not given stays. It returns at once. name: a token's name is shown
+        instead. pointer: origin (m) and direction of a ray; all see a dot where it meets something; None: no dot.
+        follow: id of the person whose camera frames have from now on, whatever look() says; 0: their own."""
+        self._link.check_process()
+        with self._link.changed:
+            self._link.check()
+            given = {key: value for key, value in (('name', name), ('pointer', pointer), ('follow', follow))
+                     if value is not KEEP}
+            self._presence = replace(self._presence, **given).checked()
+            self._link.appear(self._presence.message())
+
+    def _present(self, on: bool) -> Steps[None]:
+        link = self._link
+        known = link.errors[-1:]
+        link.lead(self._welcome().Viewer() if on else 0)
+        yield from link.order([], self._timeout)
+        if link.errors[-1:] != known:
+            raise link.errors.pop()
+
     # ---- commands ----
+
+    def _undo(self) -> Steps[None]:
+        before = self.state.undo
+        return self._order(messages.undo(), lambda: self.state.undo != before)
 
     def _push(self, origin: Sequence[float], direction: Sequence[float], strength: float,
               push: Optional[Sequence[float]]) -> Steps[None]:

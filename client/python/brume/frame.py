@@ -56,6 +56,7 @@ class Frame:
     lossless: bool  # True: the bytes are PNG, not JPEG
     measured: Optional[Measured]  # None: the server does not know, or does not say
     pictures: Tuple[bytes, ...] = field(repr=False)  # bytes of each eye's picture
+    follows: int = 0  # id of the person whose camera it is, with the size of their pictures; 0: the viewer's own
     layers: Optional[Tuple[Layers, ...]] = field(default=None, repr=False)  # of each eye's picture; None: none came
 
     @property

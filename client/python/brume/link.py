@@ -47,6 +47,8 @@ class Link:
         self.welcome: Table = None  # the newest Welcome; None: not connected
         self.state: Table = None  # the newest SceneState
         self.lists: Table = None  # the newest with the scene's lists
+        self.people: Table = None  # the newest People of this connection
+        self._presence = b''  # message; empty: it has said nothing
         self.frame: Optional[Frame] = None  # the newest Frame that shows the camera as it is
         self.particles: Optional[Particles] = None  # the newest Particles of this connection
         self.failure: Optional[BrumeError] = None  # why there is no connection any more
@@ -55,7 +57,7 @@ class Link:
         self._awaited: Set[int] = set()  # numbers of inputs whose answers a command waits for
         self._refused: Dict[int, BrumeError] = {}  # number of an input: its refusal
         self._ponged = 0  # number of the newest answered ping
-        self._token, self._tls, self._patience, self._hello = token, tls, patience, hello
+        self.token, self.tls, self._patience, self._hello = token, tls, patience, hello
         self._new_reader = reader
         self._reader: Optional[Reader] = None
         self._told = False  # True: `state` is of the scene that `welcome` tells of
@@ -178,9 +180,14 @@ class Link:
         if self._view:
             self._send_pose(hidden=False)  # a picture of it shows the command, too
 
-    def post(self, route: str, query: Dict[str, str], body: bytes, timeout: float) -> None:
-        """Asks the server for something over HTTP; raises BrumeError with its line if it refuses."""
-        beside.post(self.address, self._token, self._tls, route, query, body, timeout)
+    def appear(self, presence: bytes) -> None:
+        """Says who the viewer is, now and on later connections."""
+        self._presence = presence
+        if self.welcome and self.welcome.People():
+            self._send(presence)
+
+    def lead(self, person: int) -> None:
+        self._send(messages.lead(person))
 
     def leave(self) -> None:
         """Says goodbye. Nothing is waited for, so that the garbage collector may call it."""
@@ -296,8 +303,8 @@ class Link:
 
     async def _session(self) -> BrumeError:
         """One connection from its beginning to its end. Returns why it ended."""
-        headers: Dict[str, Any] = {_HEADERS: {'Authorization': f'Bearer {self._token}'}} if self._token else {}
-        tls: Dict[str, Any] = {'ssl': self._tls} if self._tls else {}
+        headers: Dict[str, Any] = {_HEADERS: {'Authorization': f'Bearer {self.token}'}} if self.token else {}
+        tls: Dict[str, Any] = {'ssl': self.tls} if self.tls else {}
         self._ending = None
         try:
             async with websockets.connect(self.address, subprotocols=['brume.v1'], compression=None, max_size=None,
@@ -321,7 +328,7 @@ class Link:
             return BrumeError(str(error))
         except (OSError, websockets.WebSocketException, EOFError) as error:
             said = await asyncio.get_running_loop().run_in_executor(None, beside.why_refused, self.address,
-                                                                      self._token, self._tls)
+                                                                      self.token, self.tls)
             return BrumeError(said, 'forbidden') if said else BrumeError(f'no connection to {self.address}: {error}')
         except BrumeError as error:
             return error
@@ -354,6 +361,8 @@ class Link:
                     self.want_since_state()
                 if self.not_drawable:
                     self._old = self.particles
+            elif kind == 'People':
+                self.people = table
             elif kind == 'Ping':
                 self._send(messages.pong(table.Nonce(), table.TimeUs()))
             elif kind == 'Pong':
@@ -372,6 +381,8 @@ class Link:
                 self._resume = messages.text_of(table.Resume()) or self._resume
                 if self._view:
                     self._send_pose(hidden=self._hidden)
+                if self._presence:
+                    self.appear(self._presence)
             self._tell()
 
     def _particles_of(self, table: Table, rest: bytes) -> Optional[Particles]:

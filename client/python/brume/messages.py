@@ -16,8 +16,8 @@ from brume.layers import Layers
 
 try:
     from brume.wire import (Ack, Add, Body, Change, Command, Encoding, Error, ErrorCode, Goodbye, Hello, Impulse, Input,
-                            LitParticles, Message, MoveVolume, Ping, Pong, Pose, Quat, Remove, Restart, SceneState, Set,
-                            SetParticles, SettingKind, Welcome)
+                            Lead, LitParticles, Message, MoveVolume, People, Ping, Pong, Pose, Presence, Quat, Ray,
+                            Remove, Restart, SceneState, Set, SetParticles, SettingKind, Undo, Welcome)
     from brume.wire import Frame as WireFrame
     from brume.wire import Vec3 as WireVec3
 except ImportError as error:
@@ -109,6 +109,24 @@ def pong(nonce: int, time_us: int) -> bytes:
     return _finish(b, Body.Body.Pong, Pong.End(b))
 
 
+def presence(name: str, pointer: Optional[Tuple[Sequence[float], Sequence[float]]], follow: int) -> bytes:
+    b = flatbuffers.Builder(128)
+    text = b.CreateString(name)
+    Presence.Start(b)
+    Presence.AddName(b, text)
+    if pointer:
+        Presence.AddPointer(b, Ray.CreateRay(b, *(float(one) for place in pointer for one in place)))
+    Presence.AddFollow(b, follow)
+    return _finish(b, Body.Body.Presence, Presence.End(b))
+
+
+def lead(person: int) -> bytes:
+    b = flatbuffers.Builder(64)
+    Lead.Start(b)
+    Lead.AddPerson(b, person)
+    return _finish(b, Body.Body.Lead, Lead.End(b))
+
+
 def goodbye(reason: str) -> bytes:
     b = flatbuffers.Builder(64)
     text = b.CreateString(reason)
@@ -145,6 +163,13 @@ def restart() -> Build:
     def build(b: Builder) -> Tuple[int, int]:
         Restart.Start(b)
         return Command.Command.Restart, Restart.End(b)
+    return build
+
+
+def undo() -> Build:
+    def build(b: Builder) -> Tuple[int, int]:
+        Undo.Start(b)
+        return Command.Command.Undo, Undo.End(b)
     return build
 
 
@@ -254,7 +279,7 @@ def order(seq: int, build: Build) -> bytes:
 _BODIES: Dict[int, Any] = {Body.Body.Welcome: Welcome.Welcome, Body.Body.SceneState: SceneState.SceneState,
            Body.Body.Frame: WireFrame.Frame, Body.Body.Error: Error.Error, Body.Body.Ping: Ping.Ping,
            Body.Body.Pong: Pong.Pong, Body.Body.Goodbye: Goodbye.Goodbye,
-           Body.Body.LitParticles: LitParticles.LitParticles}
+           Body.Body.LitParticles: LitParticles.LitParticles, Body.Body.People: People.People}
 _CODES = {value: name for name, value in vars(ErrorCode.ErrorCode).items() if isinstance(value, int)}
 
 
@@ -306,7 +331,8 @@ def frame_of(table: Table, rest: bytes) -> Frame:
                  fov=table.FovY(), width=table.Width(), height=table.Height(), quality=table.Quality(),
                  lossless=table.Encoding() == Encoding.Encoding.png,
                  measured=Measured(table.Measured(), table.MeasuredLow(), table.MeasuredHigh())
-                 if table.Measured() > 0 else None, pictures=tuple(pictures), layers=layers or None)
+                 if table.Measured() > 0 else None, pictures=tuple(pictures), follows=table.Follows(),
+                 layers=layers or None)
 
 
 def value_of(value: Table) -> Value:

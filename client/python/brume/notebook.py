@@ -59,7 +59,7 @@ def show(source: Union[Core, str] = 'http://127.0.0.1:8080', token: Optional[str
     'client' or 'server'. width, height: pixels, or a CSS length. A token is kept in the notebook's output.
     """
     if isinstance(source, Core):
-        token = token or source._link._token
+        token = token or source._link.token
         source = source.address
     if controls not in CONTROLS:
         raise BrumeError(f'no controls {controls!r}; there are {" ".join(CONTROLS)}', 'out_of_range')

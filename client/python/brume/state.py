@@ -24,6 +24,7 @@ class State:
     box: Optional[Tuple[Vec3, Vec3]]  # two corners of a box that holds the medium, m; None from an older server
     standstill: Optional[str] = None  # why no tick comes at present, in one line; None: ticks come
     preparing: Optional[str] = None  # the name of another scene that is being made ready to be shown; None: none is
+    undo: Optional[str] = None  # what undo() would do now, in a few words; None: nothing
     not_drawable: Optional[str] = None  # why viewers cannot draw this scene by themselves, one line; None: they can
 
 
@@ -43,4 +44,5 @@ def state_of(welcome: Table, state: Table, lists: Table) -> State:
                  box=(messages.vector_of(lo), messages.vector_of(hi)) if lo and hi else None,
                  standstill=messages.text_of(state.Standstill()) or None,
                  preparing=messages.text_of(state.Preparing()) or None,
+                 undo=messages.text_of(state.Undo()) or None,
                  not_drawable=messages.text_of(state.NotDrawable()) or None)

@@ -5,6 +5,7 @@ import os
 from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional, Sequence, Union
 
 from brume import messages
+from brume.beside import ask
 from brume.core import LOADED, Core, bundle
 from brume.error import BrumeError
 from brume.frame import Frame
@@ -125,6 +126,23 @@ class Viewer(Core):
         """Starts the scene again."""
         self._do(self._link.order([messages.restart()], self._timeout))
 
+    def undo(self) -> None:
+        """Takes back the newest change of anybody: of settings, of lists, or of the volume's place. state.undo says
+        what that is. Raises BrumeError if there is none, or it is an operator's."""
+        self._do(self._undo())
+
+    def present(self, on: bool = True) -> None:
+        """All take this viewer's camera from now on, or nobody's. Raises BrumeError where the role is too low."""
+        self._do(self._present(on))
+
+    def snapshot(self, format: str = 'png', alpha: bool = False, size: Optional[Size] = None,
+                 timeout: Optional[float] = None) -> bytes:
+        """A still of the camera as it is now, as the bytes of a file: drawn for itself, within the scene's error
+        whatever the load. format: jpeg, png or exr. alpha: True leaves the sky out of a PNG, whose colours are then
+        straight. An EXR has linear radiance times alpha, and never a sky. size: (width, height); else the viewer's."""
+        route, query = self._still(format, alpha, size)
+        return ask(self._link, route, query, None, timeout or max(self._timeout, LOADED))
+
     def show_scene(self, name: str) -> None:
         """Shows another scene, and takes its camera. `scenes` has the names that there are."""
         self._show('scene', name, b'')
@@ -135,7 +153,7 @@ class Viewer(Core):
 
     def _show(self, route: str, name: str, body: bytes) -> None:
         before = self._before()
-        self._link.post(route, {'name': name}, body, max(self._timeout, LOADED))
+        ask(self._link, route, {'name': name}, body, max(self._timeout, LOADED))
         self._do(self._shown(before))
 
     def set_particles(self, positions: Points, scales: Numbers, extinctions: Numbers,

@@ -10,11 +10,11 @@ import { drawWishOf } from './draw-choice';
 import { Age } from './handle';
 import { Handles } from './handles';
 import { headsetSupported } from './headset';
-import { hintText, touchOnly } from './hint';
+import { hintText } from './hint';
 import { KeyViews, pathAsked, useLens } from './key-views';
 import { copyLink } from './link';
 import { elementsOf } from './lists';
-import { Steady, lack, liveText } from './live';
+import { LiveLine } from './live-line';
 import { keepCamera, keptCamera } from './memory';
 import { addressAt, cameraIn } from './move';
 import { Notices } from './notices';
@@ -40,7 +40,6 @@ import type { Viewer } from './viewer';
 import { legendPart } from './views';
 
 const REFRESH_MS = 250;
-const SETTLED_MS = 3000; // after which the rate of pictures is known
 
 const sentHere = cameraIn(location.hash); // camera of a viewer that another server sent here
 const token = takeToken();
@@ -226,7 +225,6 @@ onKeys({
   KeyO: () => actions['panel']?.(),
   Escape: () => (viewer().pushing ? (viewer().pushing = false) : toggles.panel(false)),
 });
-
 onUndo(() => actions['undo']?.());
 
 function change(wish: Partial<typeof settings>): void {
@@ -289,6 +287,7 @@ const keyViews = new KeyViews({
   camera: () => viewer().camera,
   fovY: () => viewer().fovY,
   look: (camera, fov) => {
+    if (!viewer().people.takesBack()) return keyViews.stop(); // somebody presents
     viewer().camera = camera;
     useLens(viewer(), fov);
   },
@@ -345,32 +344,8 @@ const handles = new Handles(find('handles'), {
   move: (path, value) => viewer().command({ kind: 'set', changes: [{ path, value }] }),
 });
 const overlay = new Overlay(find('overlay'));
-const steady = new Steady();
-
-let countedFrom = 0; // ms; pictures come without a break since then
-
-function tellLack(): void {
-  const { scene, size, limit, statistics, headset, mayControl, linkState, drawing, viewing } = viewer();
-  const { last } = statistics;
-  const [now, frame] = [performance.now(), last?.kind === 'frame' ? last : undefined];
-  const standing = scene?.standstill !== undefined;
-  if (standing || paused() || document.hidden || linkState !== 'connected') countedFrom = now;
-  const seen = {
-    ...{ standing, paused: paused(), mayControl, touch: touchOnly(), frame, limit },
-    asked: frame && frame.follows !== 0 ? frame : size, // who follows has the size of another's pictures
-    ...(scene?.preparing !== undefined ? { preparing: scene.preparing } : {}),
-    relaxed: scene?.plan?.relaxed ?? 0,
-    rate: now - countedFrom > SETTLED_MS ? statistics.shownRate.perSecond(now) : undefined,
-    serverMs: frame ? frame.stages.render + frame.stages.encode : 0,
-    redrawn: viewing.redrawn,
-    drawnHere: drawing.shown,
-    ...(scene?.notDrawable !== undefined && drawing.asked
-      ? { notDrawable: { why: scene.notDrawable, asked: settings.draw === 'client' } }
-      : {}),
-  };
-  const atOnce = standing || seen.paused || scene?.preparing !== undefined;
-  notices.lack(steady.next(headset ? undefined : lack(seen), atOnce), liveText(seen));
-}
+const liveLine = new LiveLine((lacking, live) => notices.lack(lacking, live));
+const tellLack = (): void => liveLine.tell(viewer(), settings.draw === 'client');
 
 function animate(): void {
   requestAnimationFrame(animate);
