@@ -104,6 +104,10 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_option("--view", options.wishes.view, "How the picture is made, in its place: " + allViewNames())
         ->capture_default_str()
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(kViewNames), std::end(kViewNames))));
+    app.add_option("--name", options.wishes.name, "Name that other viewers see, instead of the token's")
+        ->check([](const std::string& text) { return std::string(text.size() <= 64 ? "" : "at most 64 bytes"); });
+    app.add_option("--follow", options.wishes.follow,
+                   "Show what the person of this name sees, as long as they are there");
     app.add_option("--camera", camera,
                    "Where to stand and where to look: x,y,z,tx,ty,tz in metres; the server's own if not given");
     app.add_option(

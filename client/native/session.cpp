@@ -99,6 +99,9 @@ void Session::takeNote(const Received& message) {
                            textOf(welcome->resume()),
                            welcome->resumed(),
                            keysOf(*welcome)};
+        if (welcome->people()) appear(0);
+    } else if (const auto* people = message.as<wire::People>()) {
+        meet(*people);
     } else if (const auto* state = message.as<wire::SceneState>()) {
         standstill_ = oneLine(textOf(state->standstill()));
     } else if (const auto* error = message.as<wire::Error>()) {
@@ -110,6 +113,25 @@ void Session::takeNote(const Received& message) {
         go_to_ = textOf(goodbye->go_to());
         connection_.close(std::chrono::milliseconds(200));
     }
+}
+
+void Session::appear(uint32_t follow) {
+    follow_ = follow;
+    sendMessage([&](auto& b) { return wire::CreatePresenceDirect(b, wishes_.name.c_str(), nullptr, follow); });
+}
+
+// Follows who has the wished name, as long as they are here.
+void Session::meet(const wire::People& people) {
+    if (!welcomed()) return;
+    uint32_t wanted = 0, led_by = people.presenter();
+    for (const wire::Person* one : *people.people()) {
+        if (!wishes_.follow.empty() && wanted == 0 && one->name()->str() == wishes_.follow) wanted = one->id();
+        if (led_by == 0 && one->id() == granted().viewer) led_by = one->follows();
+    }
+    leader_.clear();
+    for (const wire::Person* one : *people.people())
+        if (one->id() == led_by && led_by != granted().viewer) leader_ = oneLine(one->name()->str());
+    if (wanted != follow_) appear(wanted);
 }
 
 std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }

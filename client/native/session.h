@@ -50,6 +50,8 @@ struct Wishes {                         // what a viewer asks for in its hello
     bool keep_size = false;             // true: pictures come more seldom, not smaller
     uint8_t draw_hz = 0;                // above 0: lit particles, so many a second, in place of pictures
     std::string view = "picture";       // the view of how it is made, a name of view_names.h
+    std::string name;                   // that others see; empty: the token's, or one that the server finds
+    std::string follow;                 // name of the person whose camera pictures have, once it is here; empty: none
 };
 
 // What a welcome grants.
@@ -97,6 +99,8 @@ public:
     float retryAfterSeconds() const { return retry_after_s_; }
     // Why the scene stands still, in one line; empty while ticks come.
     const std::string& standstill() const { return standstill_; }
+    // Name of the person whose camera pictures have; empty: the viewer's own.
+    const std::string& leader() const { return leader_; }
     // The URL of another server that the goodbye names, unchecked; empty without one.
     const std::string& goTo() const { return go_to_; }
 
@@ -137,6 +141,8 @@ private:
     }
     void sayHello();
     void takeNote(const Received& message);
+    void appear(uint32_t follow);
+    void meet(const wire::People& people);
 
     Connection connection_;
     Wishes wishes_;
@@ -145,7 +151,8 @@ private:
     std::optional<Granted> granted_;
     std::string refusal_; // text of a goodbye, or of an error before the welcome
     float retry_after_s_ = 0;
-    std::string go_to_, standstill_;
+    std::string go_to_, standstill_, leader_;
+    uint32_t follow_ = 0; // id of the person that was asked for
     uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;
     std::optional<float> round_trip_ms_;
 };

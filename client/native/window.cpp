@@ -127,6 +127,7 @@ private:
                 paused_ = state->paused();
                 viewers_ = state->viewers();
                 standstill_ = session.standstill();
+                leader_ = session.leader();
                 if (!standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
             } else if (message->as<wire::Welcome>()) {
                 welcome(session.granted());
@@ -285,6 +286,7 @@ private:
         const uint64_t since = now > 3 * kSecondUs ? now - 3 * kSecondUs : 0; // slow servers too show a rate
         std::string title = fmt::format("brume: {}, {:.1f} fps", scene_, statistics_.recentRate(since));
         if (const auto latency = statistics_.recentLatencyMs(since)) title += fmt::format(", {:.0f} ms", *latency);
+        if (!leader_.empty()) title += ", as " + leader_ + " sees it";
         if (sheets_) title += ", redrawn";
         if (lit_) title += fmt::format(", drawn here in {:.0f} ms", drawn_ms_);
         title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
@@ -314,6 +316,7 @@ private:
     Pose seen_;                        // camera of the picture that is shown
     std::string scene_;
     std::string standstill_;  // why the scene stands still; empty while ticks come
+    std::string leader_;      // whose camera pictures have; empty: its own
     bool pause_sent_ = false; // true: Options::pause was carried out
     bool quit_ = false, paused_ = false;
     bool hidden_ = false; // true: the window is minimised

@@ -20,3 +20,14 @@ export function keptNames(name: string, path: string): [own: string, ...above: s
   const [own, ...above] = [...names, name];
   return [own ?? name, ...above];
 }
+
+// The address of a server's socket: `source` itself where it is a socket's (ws: or wss:), else "ws" beside the page
+// `source`, wherever a proxy has put it; over TLS if that page comes over TLS.
+export function socketAddress(source: string, token: string | undefined): string {
+  const named = new URL(source, location.href);
+  const address = /^wss?:$/.test(named.protocol) ? named : beside(named, 'ws');
+  address.protocol = address.protocol.replace('http', 'ws');
+  address.search = address.hash = '';
+  if (token !== undefined) address.searchParams.set('token', token);
+  return address.href;
+}

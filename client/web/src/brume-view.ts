@@ -1,6 +1,6 @@
 // <brume-view>: a viewer as an element. README.md lists its attributes, properties and events.
 import type { Camera } from './camera';
-import { socketAddress } from './connection';
+import { socketAddress } from './address';
 import type { LinkState } from './connection';
 import { el, setText } from './dom';
 import { DRAW_WISHES, drawWishOf } from './draw-choice';
@@ -8,6 +8,7 @@ import type { Latency } from './latency';
 import { placeOf } from './place';
 import type { Place } from './place';
 import type { Frame, SceneState, Welcome } from './protocol';
+import { renewedToken } from './renewal';
 import type { Report } from './report';
 import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
@@ -26,6 +27,7 @@ export interface BrumeViewEvents {
   modechange: undefined;
   touched: undefined;
   people: undefined;
+  token: { token: string }; // another one, which the server takes
   moved: { page: string };
 }
 
@@ -245,6 +247,11 @@ export class BrumeView extends HTMLElement {
       picture: (frame, latency) => void this.tell('picture', { frame, latency }),
       drawn: ({ tick, stateHash }) => void this.tell('drawn', { tick, stateHash }),
       people: () => void this.tell('people', undefined),
+      renew: async () => {
+        const token = await renewedToken(this.getAttribute('token-url'));
+        if (token !== undefined) this.tell('token', { token });
+        return token;
+      },
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),
       touched: () => void this.tell('touched', undefined),

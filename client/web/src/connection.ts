@@ -22,6 +22,8 @@ export interface LinkEvents {
   state(state: LinkState): void;
   message(message: ServerMessage, bytes: number): void;
   roundTrip(ms: number): void;
+  // Another token, when the server takes this one no more; undefined where there is none to be had.
+  renew?(): Promise<string | undefined>;
   // The server has stopped, and the page of another server that it named answers: the viewer goes there.
   moved(page: string): void;
 }
@@ -50,6 +52,7 @@ export class Connection {
   private welcomed = false;
   private resume = ''; // Welcome.resume of the last welcome: the key to be the same viewer again
   private everWelcomed = false;
+  private renews = false; // true: the token was renewed, and nobody has been welcomed by it yet
   private inputSeq = 0;
   private poseSeq = 0;
   private nonce = 0;
@@ -68,7 +71,7 @@ export class Connection {
   private state: LinkState = { name: 'connecting' };
 
   constructor(
-    private readonly url: string,
+    private url: string,
     private readonly events: LinkEvents,
     private readonly ending: AbortSignal,
   ) {}
@@ -231,6 +234,7 @@ export class Connection {
         return;
       case 'welcome':
         this.welcomed = this.everWelcomed = true;
+        this.renews = false;
         this.resume = message.resume;
         this.goTo = undefined;
         this.backoff.reset();
@@ -287,6 +291,7 @@ export class Connection {
     if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
     this.away = !alive;
     this.declined = alive && there && !refusal ? this.declined + 1 : 0;
+    if (refusal === 'token' && (await this.renewed())) return this.open();
     if (refusal) {
       this.parting = { refusal, text };
       this.askedWait = TOKEN_WAIT_S;
@@ -298,6 +303,17 @@ export class Connection {
       this.hopeless = blocked && !this.everWelcomed && this.declined >= HOPELESS_LIMIT;
     }
     this.ended();
+  }
+
+  // True: there is another token, which is tried at once. Not twice without a welcome between: then it is as bad.
+  private async renewed(): Promise<boolean> {
+    const token = this.renews ? undefined : await this.events.renew?.();
+    if (token === undefined || this.socket || this.ending.aborted) return false;
+    this.renews = true;
+    const address = new URL(this.url);
+    address.searchParams.set('token', token);
+    this.url = address.href;
+    return true;
   }
 
   private isAlive(): Promise<boolean> {
@@ -381,14 +397,3 @@ const blockedRefusal = (what: string): { refusal: Refusal; text: string } => ({
   refusal: 'blocked',
   text: `The proxy in front of this server does not pass ${what} on: see docs/deploy.md.`,
 });
-
-// The address of a server's socket: `source` itself where it is a socket's (ws: or wss:), else "ws" beside the page
-// `source`, wherever a proxy has put it; over TLS if that page comes over TLS.
-export function socketAddress(source: string, token: string | undefined): string {
-  const named = new URL(source, location.href);
-  const address = /^wss?:$/.test(named.protocol) ? named : beside(named, 'ws');
-  address.protocol = address.protocol.replace('http', 'ws');
-  address.search = address.hash = '';
-  if (token !== undefined) address.searchParams.set('token', token);
-  return address.href;
-}

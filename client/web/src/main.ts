@@ -25,7 +25,7 @@ import { placeOf } from './place';
 import { shownError } from './plan';
 import { Pointing } from './pointing';
 import type { Report } from './report';
-import { mayOperate, takeToken } from './role';
+import { keepToken, mayOperate, takeToken } from './role';
 import { RoomsPanel } from './rooms';
 import { savePicture } from './save-picture';
 import type { Still } from './save-picture';
@@ -42,7 +42,8 @@ import { legendPart } from './views';
 const REFRESH_MS = 250;
 
 const sentHere = cameraIn(location.hash); // camera of a viewer that another server sent here
-const token = takeToken();
+const first = takeToken(); // attributes keep it: another one makes the view anew
+let token = first; // the newest
 if (sentHere) history.replaceState(history.state, '', location.pathname + location.search);
 
 const settings = loadSettings();
@@ -105,6 +106,7 @@ view.addEventListener('people', () => {
   panel.people();
   setText(find('leader'), leaderText(viewer().people));
 });
+view.addEventListener('token', ({ detail }) => keepToken((token = detail.token)));
 view.addEventListener('moved', (event) => {
   event.preventDefault(); // the whole page goes there, not the view alone
   location.assign(addressAt(event.detail.page, location.search, token, viewer().camera));
@@ -115,7 +117,8 @@ function attributes(): Record<string, string | undefined> {
   const named = ['position', 'target', 'fov'].filter((name) => name in place);
   return {
     ...Object.fromEntries(named.map((name) => [name, query.get(name) ?? undefined])),
-    token,
+    token: first,
+    'token-url': query.get('token_url') ?? undefined,
     quality: String(settings.quality),
     size: cap && `${cap.width}x${cap.height}`,
     eyes: settings.eyes,
@@ -243,7 +246,7 @@ function change(wish: Partial<typeof settings>): void {
 
 // ---- scenes ----
 
-const scenes = new Scenes(location.href, token);
+const scenes = new Scenes(location.href, () => token);
 const settingsBack = () => {
   const { welcome, values } = viewer();
   if (!welcome) return [];
@@ -306,7 +309,7 @@ const panel = buildPanel(
     camera: () => viewer().camera,
     people: () => viewer().people,
     rooms: new RoomsPanel({
-      token,
+      token: () => token,
       mayOpen: mayChoose,
       scenes: () => viewer().welcome?.scenes ?? [],
       note: (text, kind) => notices.note(sentence(text), kind),

@@ -26,6 +26,15 @@ export function tokenIn(fragment: string): string | undefined {
   return new URLSearchParams(fragment.replace(/^#/, '')).get('token') ?? undefined;
 }
 
+// For this tab, when it is loaded again.
+export function keepToken(token: string): void {
+  try {
+    sessionStorage.setItem(keptNames('brume-token', location.pathname)[0], token);
+  } catch {
+    // Without storage the page renews it again.
+  }
+}
+
 // The token of the page's address or, after a reload, of this tab. Browsers do not send a fragment, so no server logs
 // it. It is removed from the address bar at once, so that nobody copies it with the address. A page without one
 // has that of a page above it in the same tab: /r/NAME/ that of /.

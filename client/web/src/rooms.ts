@@ -39,7 +39,7 @@ export function roomsOf(answer: unknown, server: URL): Room[] {
 }
 
 export interface RoomsHost {
-  token: string | undefined;
+  token(): string | undefined;
   mayOpen(): boolean; // true: an operator's
   scenes(): readonly string[]; // that a room can begin with
   note(text: string, kind?: 'info' | 'error'): void;
@@ -73,7 +73,8 @@ export class RoomsPanel {
   }
 
   private request(path: string, method: string): Promise<Response> {
-    const headers = this.host.token === undefined ? {} : { Authorization: `Bearer ${this.host.token}` };
+    const token = this.host.token();
+    const headers = token === undefined ? {} : { Authorization: `Bearer ${token}` };
     return fetch(beside(this.server, path), { cache: 'no-store', headers, method });
   }
 

@@ -32,7 +32,7 @@ export function noteOf(answer: string): string {
 export class Scenes {
   constructor(
     private readonly page: string, // address of the server's page
-    private readonly token: string | undefined,
+    private readonly token: () => string | undefined,
   ) {}
 
   // Each resolves with the server's line, and rejects with one that says why not.
@@ -56,7 +56,8 @@ export class Scenes {
   }
 
   private async ask(address: string, request: RequestInit): Promise<string> {
-    const headers = this.token === undefined ? {} : { Authorization: `Bearer ${this.token}` };
+    const token = this.token();
+    const headers = token === undefined ? {} : { Authorization: `Bearer ${token}` };
     let answer: Response;
     try {
       answer = await fetch(beside(this.page, address), { cache: 'no-store', headers, ...request });

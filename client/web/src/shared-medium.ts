@@ -1,6 +1,7 @@
 // SharedMedium: a server's medium in another renderer's scene. It connects, receives lit particles, and draws them in
 // that renderer's own WebGL 2 context, with its colours and depths. three-example.ts shows how.
-import { Connection, socketAddress } from './connection';
+import { socketAddress } from './address';
+import { Connection } from './connection';
 import sky from './glsl/sky.glsl?glsl';
 import sceneFragment from './glsl/scene.frag.glsl?glsl';
 import { LitMedium } from './lit-medium';

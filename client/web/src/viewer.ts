@@ -114,6 +114,7 @@ export class Viewer {
         message: (message, bytes) => this.receive(message, bytes),
         roundTrip: (ms) => this.statistics.roundTrip(ms),
         moved: (page) => events.moved(page),
+        renew: () => events.renew(),
       },
       this.ending.signal,
     );

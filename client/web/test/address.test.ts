@@ -1,6 +1,5 @@
 import { afterEach, describe, expect, test, vi } from 'vitest';
-import { beside, keptNames } from '../src/address';
-import { socketAddress } from '../src/connection';
+import { beside, keptNames, socketAddress } from '../src/address';
 import { takeToken } from '../src/role';
 
 describe('what lies beside a page', () => {

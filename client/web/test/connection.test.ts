@@ -15,7 +15,7 @@ class FakeSocket {
   onopen = (): void => undefined;
   onclose = (): void => undefined;
   onmessage = (_: unknown): void => undefined;
-  constructor() {
+  constructor(readonly url = '') {
     sockets.push(this);
   }
   send(): void {}
@@ -35,7 +35,7 @@ describe('a connection', () => {
   const told: string[] = [];
   let lastText = '';
   let ending: AbortController;
-  const connect = (): Connection => {
+  const connect = (renew?: () => Promise<string | undefined>): Connection => {
     const hello = () => ({ client: 'test', width: 64, height: 64, quality: 0 });
     const connection = new Connection(
       'ws://server.example/ws',
@@ -48,6 +48,7 @@ describe('a connection', () => {
         message: () => undefined,
         roundTrip: () => undefined,
         moved: (page) => told.push(page),
+        ...(renew ? { renew } : {}),
       },
       ending.signal,
     );
@@ -81,6 +82,23 @@ describe('a connection', () => {
     expect(sockets.length).toBe(2);
     expect(open()).toEqual([sockets[1]]);
     expect(told).toEqual(['connecting', 'reconnecting', 'reconnecting']);
+  });
+
+  test('whose token has ended goes on with another one at once, and asks for a third after a welcome only', async () => {
+    vi.stubGlobal('fetch', () => Promise.resolve(new Response('the token has expired', { status: 401 })));
+    let [asked, given] = [0, 'second.token'];
+    connect(() => {
+      asked += 1;
+      return Promise.resolve(given);
+    });
+    sockets[0]?.onclose();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(sockets.at(-1)?.url).toBe('ws://server.example/ws?token=second.token');
+    expect(told).toEqual(['connecting']);
+    given = 'third.token'; // the second is as bad
+    sockets.at(-1)?.onclose();
+    await vi.advanceTimersByTimeAsync(0);
+    expect([asked, told.at(-1), lastText]).toEqual([1, 'refused', 'the token has expired']);
   });
 
   test('that nobody answers is asked for all night, once a second, and made once somebody does', async () => {

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Rooms of the real server: rooms.py SERVER PACKAGE."""
+import json
+import os
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+from python_server import COLD, PATIENCE, Serving, brume, program
+
+
+def eventually(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, 'it did not come in time'
+        time.sleep(0.05)
+
+
+def post(url):
+    try:
+        with urllib.request.urlopen(urllib.request.Request(url, data=b'', method='POST'), timeout=COLD) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as answer:
+        return answer.code, answer.read().decode()
+
+
+def rooms(server):
+    with urllib.request.urlopen(f'{server.url}/rooms') as answer:
+        return {room['name']: room for room in json.load(answer)['rooms']}
+
+
+class Rooms(Serving):
+    def look(self, url):
+        view = brume.connect(url, size=(160, 96), timeout=COLD)
+        self.addCleanup(view.close)
+        return view
+
+    def test_rooms_have_their_own_scenes_and_settings(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = self.serve('--room', 'lab=tubes', '--record', f'{folder}/class.rec')
+            home, lab = self.look(server.url), self.look(f'{server.url}/r/lab/')
+            self.assertEqual((home.scene, lab.scene), ('cloud', 'tubes'))
+            before = home.state.settings['medium.extinction']
+            lab.set('medium.extinction', before + 7)
+            self.assertEqual(home.state.settings['medium.extinction'], before)
+            self.assertNotEqual(home.frame().jpeg, lab.frame().jpeg)
+            lab.pause()
+            ticks = home.state.tick
+            eventually(lambda: home.state.tick > ticks + 30)
+            self.assertEqual(home.state.viewers, 1)
+            self.assertEqual(rooms(server)['lab']['viewers'], 1)
+            # Another scene in a room leaves the others as they are.
+            lab.show_scene('plume')
+            self.assertEqual((home.scene, lab.scene), ('cloud', 'plume'))
+            self.assertEqual(server.stop(), 0)
+            written = sorted(os.listdir(folder))
+            self.assertEqual(written, ['class-lab-2.rec', 'class-lab.rec', 'class.rec'])
+
+    def test_operators_open_and_close_rooms(self):
+        server = self.serve('--max-rooms', '1')
+        self.assertEqual(post(f'{server.url}/rooms/open?name=one&scene=none')[0], 422)
+        self.assertEqual(post(f'{server.url}/rooms/open?name=one&scene=tubes'), (201, "room 'one' is open at /r/one/\n"))
+        self.assertEqual(post(f'{server.url}/rooms/open?name=one&scene=tubes')[1], "there is a room 'one' already\n")
+        self.assertIn('as many as --max-rooms allows', post(f'{server.url}/rooms/open?name=two&scene=tubes')[1])
+        view = self.look(f'{server.url}/r/one/')
+        self.assertEqual(view.scene, 'tubes')
+        view.frame()
+        self.assertEqual(post(f'{server.url}/rooms/close?name=one')[0], 200)
+        with self.assertRaises(brume.BrumeError):
+            for _ in range(1000):
+                view.frame(timeout=1)
+        self.assertEqual(list(rooms(server)), [''])
+        self.assertEqual(post(f'{server.url}/rooms/close?name=one')[0], 422)
+        self.assertEqual(post(f'{server.url}/rooms/open?name=two&scene=tubes')[0], 201)  # its place is free again
+        self.assertEqual(server.stop(), 0)
+
+    def test_rooms_sleep_that_nobody_looks_at(self):
+        server = self.serve('--room', 'lab=cloud', '--idle-rooms', 'sleep')
+        eventually(lambda: rooms(server)['lab']['tick'] == rooms(server)['lab']['tick'] and
+                   rooms(server)['']['tick'] > 200)
+        asleep = rooms(server)['lab']['tick']
+        ticks = rooms(server)['']['tick']
+        eventually(lambda: rooms(server)['']['tick'] > ticks + 60)
+        self.assertEqual(rooms(server)['lab']['tick'], asleep, 'it stands still')
+        lab = self.look(f'{server.url}/r/lab/')
+        first = lab.frame().tick
+        eventually(lambda: lab.frame().tick > first)
+        self.assertLess(first, ticks, 'no time has passed for it')
+
+    def test_what_is_wrong_with_rooms_is_said_at_the_start(self):
+        import subprocess
+        for options, said in (
+                (['--room', 'lab=none'], 'none'),
+                (['--room', 'a/b=cloud'], 'allowed: NAME=SCENE'),
+                (['--room', 'a=cloud', '--room', 'a=tubes'], 'there is a room of that name already'),
+                (['--room', 'a=cloud', '--max-rooms', '0'], '--max-rooms allows 0')):
+            done = subprocess.run([program, '--port', '0', '--ahead', 'off', *options], timeout=COLD, text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertNotEqual(done.returncode, 0, options)
+            last = done.stderr.strip().splitlines()[-1]
+            self.assertIn(said, last, options)
+
+    def test_people_are_those_of_a_room(self):
+        server = self.serve('--room', 'lab=cloud')
+        home, lab = self.look(server.url), self.look(f'{server.url}/r/lab/')
+        home.appear(name='Ann')
+        lab.appear(name='Bob')
+        eventually(lambda: lab.people.people and home.people.people)
+        self.assertEqual([one.name for one in home.people.people], ['Ann'])
+        self.assertEqual([one.name for one in lab.people.people], ['Bob'])
+
+
+if __name__ == '__main__':
+    unittest.main(argv=['rooms.py'])
