@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "server/net/token.h"
+
 namespace brume::net {
 namespace {
 
