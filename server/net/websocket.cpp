@@ -1,23 +1,15 @@
 #include "server/net/websocket.h"
 
 #include <algorithm>
-#include <deque>
 #include <span>
 
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <boost/beast/websocket/stream.hpp>
 
-#include "server/net/coroutine.h"
-#include "server/net/mere_frames.h"
 #include "server/net/origin.h"
 #include "server/net/outgoing.h"
-#include "server/net/people_news.h"
-#include "server/net/pings.h"
-#include "server/net/scene_news.h"
-#include "server/net/session_rules.h"
 #include "server/net/tcp_state.h"
-#include "server/net/viewer_handle.h"
+#include "server/net/websocket_session.h"
 
 namespace brume::net {
 namespace {
@@ -28,91 +20,12 @@ namespace websocket = beast::websocket;
 constexpr auto kHeartbeat = std::chrono::milliseconds(100); // how often deadlines and news of the scene are checked
 constexpr size_t kMaxControl = 64; // control messages that wait for the socket; with so many, run() reads no more
 constexpr auto kCloseHandshake = std::chrono::seconds(1);
-constexpr float kRetryFull = 5, kRetryRestart = 2; // s: Goodbye::retry_after_s of a full and of a stopping server
 
 float millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<float, std::milli>(Clock::now() - start).count();
 }
 
-// Three coroutines on the connection's strand: run() reads, write() writes, beat() keeps the time. Each holds the
-// session alive.
-class WebSocketSession final : public Connection, public std::enable_shared_from_this<WebSocketSession> {
-public:
-    WebSocketSession(std::shared_ptr<const Context> context, RoomPtr room, ByteStream stream,
-                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization)
-        : context_(std::move(context)), room_(std::move(room)), slot_(std::move(slot)), ws_(std::move(stream)),
-          authorization_(std::move(authorization)),
-          mere_(context_->options.max_message_bytes, ws_.next_layer().received()),
-          rules_(context_->options, room_->audience.facts(), Clock::now(), authorization_),
-          event_(std::make_shared<Event>(ws_.get_executor())), taken_(std::make_shared<Event>(ws_.get_executor())),
-          heartbeat_(ws_.get_executor()), news_(room_->audience), people_news_(room_->audience.people()) {}
-
-    void start(const HttpRequest& request) {
-        slot_->assign(shared_from_this());
-        asio::co_spawn(
-            ws_.get_executor(), [self = shared_from_this(), request] { return self->run(request); }, kLogFailure);
-    }
-
-    void stop() override {
-        asio::post(ws_.get_executor(),
-                   [self = shared_from_this()] { self->close(kCloseGoingAway, "the server stops", kRetryRestart); });
-    }
-    void kill() override {
-        asio::post(ws_.get_executor(), [self = shared_from_this()] { self->finish("cut by the server's stop"); });
-    }
-
-private:
-    // One message: header, pictures, their layers' pictures.
-    using Parts = std::array<asio::const_buffer, 1 + wire::kMaxViews*(1 + wire::kLayerPictures)>;
-
-    asio::awaitable<void> run(HttpRequest request);
-    asio::awaitable<void> write();
-    asio::awaitable<void> beat();
-    asio::awaitable<error_code> sendFrame(FramePtr frame);
-    asio::awaitable<error_code> send(Parts parts);
-
-    void carryOut(Actions& actions);
-    void admit(const Admit& hello);
-    void acknowledge(uint32_t frame);
-    void command(const EnqueueCommand& given);
-    void lead(uint32_t person);
-    People& people() const { return room_->audience.people(); }
-    wire::Packed newPing();
-    void ponged(uint32_t nonce);
-    void close(uint16_t code, std::string_view reason, float retry_after_s = 0, const std::string& go_to = {});
-    void leave(std::string_view why);
-    void log(const std::string& line) const { context_->log.write(spdlog::level::info, slot_->network(), line); }
-
-    void enqueue(wire::Packed message);
-    void tellRefusedInputs();
-    bool newsAreDue() const;
-    wire::Packed welcome();
-    wire::Packed takeNews();
-    void finish(std::string_view why = {});
-
-    std::shared_ptr<const Context> context_;
-    const RoomPtr room_;
-    std::unique_ptr<ConnectionSlot> slot_;
-    websocket::stream<ByteStream, false> ws_; // no compression: JPEG does not shrink
-    const Authorization authorization_;
-    MereFrames mere_;
-    SessionRules rules_;
-    std::shared_ptr<Event> event_; // notified when there may be something to write
-    std::shared_ptr<Event> taken_; // notified when write() takes a control message
-    asio::steady_timer heartbeat_;
-    std::unique_ptr<ViewerHandle> handle_; // null before Hello
-    std::string name_;                     // for the log
-    std::deque<wire::Packed> control_;
-    Pings pings_;
-    bool ping_due_ = false;
-    std::optional<Clock::time_point> write_began_;
-    bool backlog_ = false;                           // true: bytes waited for the link since the last heartbeat
-    std::optional<websocket::close_reason> closing_; // set: write() closes once control_ is empty
-    SceneNews news_;
-    PeopleNews people_news_;
-    PoseRequest granted_; // by the hello
-    bool ended_ = false;
-};
+} // namespace
 
 asio::awaitable<void> WebSocketSession::run(HttpRequest request) {
     websocket::stream_base::timeout timeout{context_->options.handshake, context_->options.idle, true};
@@ -273,115 +186,11 @@ void WebSocketSession::ponged(uint32_t nonce) {
     handle_->viewer().ponged(*round_trip, now, backlog_ ? Pacing::Millis::max() : tcp.queue);
 }
 
-void WebSocketSession::carryOut(Actions& actions) {
-    struct {
-        WebSocketSession& s;
-        void operator()(Admit& e) { s.admit(e); }
-        void operator()(SetPose& e) {
-            if (s.handle_) s.people().look(s.handle_->viewer().id(), e.request);
-        }
-        void operator()(SetPresence& e) {
-            if (!s.handle_) return;
-            s.people().say(s.handle_->viewer().id(), e.presence);
-            s.people_news_.ask(e.presence.cameras);
-        }
-        void operator()(TakeLead& e) { s.lead(e.person); }
-        void operator()(EnqueueCommand& e) { s.command(e); }
-        void operator()(Acknowledge& e) { s.acknowledge(e.frame); }
-        void operator()(Ponged& e) { s.ponged(e.nonce); }
-        void operator()(AnswerPing& e) { s.enqueue(packPong(e.nonce, e.time_us)); }
-        void operator()(SendError& e) {
-            s.context_->metrics.refused(wire::EnumNameErrorCode(e.code));
-            s.enqueue(packError(e.code, e.text, e.input_seq));
-        }
-        void operator()(Close& e) { s.close(e.code, e.reason); }
-    } each{*this};
-    for (Action& action : actions) {
-        if (closing_ || ended_) return;
-        std::visit(each, action);
-    }
-}
-
-void WebSocketSession::admit(const Admit& hello) {
-    auto [handle, why] = ViewerHandle::join(room_->audience, room_->metrics, event_->notifier(),
-                                            {.owner = ownerOf(authorization_, slot_->network()),
-                                             .is_operator = authorization_.role == Role::operator_,
-                                             .key = hello.resume,
-                                             .token = authorization_.name,
-                                             .draws = hello.granted.draw_hz > 0,
-                                             .role = uint8_t(authorization_.role),
-                                             .is_person = true});
-    handle_ = std::move(handle);
-    if (!handle_) {
-        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::full));
-        log(fmt::format("{} from {}: turned away, {}", hello.client, slot_->address(), why));
-        enqueue(packError(wire::ErrorCode::full, why, 0));
-        const std::string go_to = room_->elsewhere.url();
-        return close(kCloseTryLater, why, go_to.empty() ? kRetryFull : 0, go_to);
-    }
-    handle_->viewer().grant(hello.granted);
-    name_ = fmt::format("viewer {}", handle_->viewer().id());
-    const std::string whose = authorization_.name.empty() ? "" : fmt::format(" ({})", authorization_.name);
-    log(fmt::format("{}{}: {} from {}, {}x{}, {}, {}", name_, whose, hello.client, slot_->address(),
-                    hello.granted.width, hello.granted.height, hello.granted.views == 1 ? "one eye" : "two eyes",
-                    nameOf(authorization_.role)));
-    granted_ = hello.granted;
-    enqueue(welcome());
-}
-
-void WebSocketSession::acknowledge(uint32_t frame) {
-    if (handle_->viewer().acknowledge(frame)) return;
-    Actions refusal;
-    rules_.onUnknownFrame(frame, Clock::now(), refusal);
-    carryOut(refusal);
-}
-
-void WebSocketSession::command(const EnqueueCommand& given) {
-    const std::optional<Refusal> refusal = giveCommand(room_->audience, handle_->viewer().id(), given.seq, given.body);
-    if (!refusal) return;
-    context_->metrics.refused(wire::EnumNameErrorCode(refusal->code));
-    enqueue(packError(refusal->code, refusal->text, given.seq));
-}
-
-void WebSocketSession::lead(uint32_t person) {
-    if (people().lead(person))
-        return log(person == 0 ? fmt::format("{}: nobody presents any more", name_)
-                               : fmt::format("{}: viewer {} presents", name_, person));
-    Actions refusal;
-    rules_.onUnknownPerson(person, Clock::now(), refusal);
-    carryOut(refusal);
-}
-
-// The viewer leaves the audience at once. The connection ends when all control messages are sent.
-void WebSocketSession::close(uint16_t code, std::string_view reason, float retry_after_s, const std::string& go_to) {
-    if (closing_ || ended_) return;
-    enqueue(packGoodbye(reason, retry_after_s, context_->stopping ? room_->goTo(context_->go_to) : go_to));
-    leave(reason);
-    closing_ = websocket::close_reason(websocket::close_code(code), beast::string_view(reason.data(), reason.size()));
-    event_->notify();
-}
-
-void WebSocketSession::leave(std::string_view why) {
-    if (!handle_) return;
-    const auto counts = handle_->viewer().counts();
-    log(fmt::format("{}: left ({}), {} frames rendered, {} sent", name_, why, counts.rendered, counts.sent));
-    handle_.reset();
-}
-
 // The queue is bounded: run() reads nothing while kMaxControl messages wait, and each message read adds only a few.
 void WebSocketSession::enqueue(wire::Packed message) {
     if (ended_ || closing_) return;
     control_.push_back(std::move(message));
     event_->notify();
-}
-
-// Of commands that turned out to be impossible at their tick.
-void WebSocketSession::tellRefusedInputs() {
-    if (!handle_) return;
-    for (const Viewer::RefusedInput& input : handle_->viewer().takeRefusedInputs()) {
-        context_->metrics.refused(wire::EnumNameErrorCode(wire::ErrorCode::out_of_range));
-        enqueue(packError(wire::ErrorCode::out_of_range, input.why, input.seq));
-    }
 }
 
 bool WebSocketSession::newsAreDue() const {
@@ -411,8 +220,6 @@ void WebSocketSession::finish(std::string_view why) {
     event_->notify();
     taken_->notify();
 }
-
-} // namespace
 
 void serveWebSocket(std::shared_ptr<const Context> context, RoomPtr room, ByteStream stream, const HttpRequest& request,
                     std::unique_ptr<ConnectionSlot> slot, Authorization authorization) {
