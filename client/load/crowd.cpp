@@ -35,6 +35,9 @@ milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(s
 } // namespace
 
 struct Crowd::Viewer {
+    Viewer(uint32_t with_number, client::Session own, Path along, double begins, size_t watches, const Pusher& pushes)
+        : number(with_number), session(std::move(own)), path(along), phase(begins), server(watches), pusher(pushes) {}
+
     uint32_t number; // from 1
     client::Session session;
     Path path;
@@ -61,8 +64,7 @@ Crowd::Crowd(const Options& options, std::vector<client::Endpoint> servers, uint
         const size_t server = i % given_;
         const double phase = double(i) / viewers;
         Pusher pusher(options.push, options.seed + i, phase);
-        viewers_.push_back(
-            std::make_unique<Viewer>(Viewer{i + 1, session(path, server), path, phase, server, pusher, {}, 0}));
+        viewers_.push_back(std::make_unique<Viewer>(i + 1, session(path, server), path, phase, server, pusher));
     }
 }
 
