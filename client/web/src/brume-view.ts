@@ -4,6 +4,8 @@ import { socketAddress } from './address';
 import type { LinkState } from './connection';
 import { el, setText } from './dom';
 import { DRAW_WISHES, drawWishOf } from './draw-choice';
+import { idleNames, idleOf } from './idle';
+import { watchIdle } from './idle-view';
 import type { Latency } from './latency';
 import { placeOf } from './place';
 import type { Place } from './place';
@@ -13,6 +15,7 @@ import type { Report } from './report';
 import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
 import { Viewer } from './viewer';
+import { CONTROLS, controlOf } from './viewer-host';
 import type { Wishes } from './viewer-host';
 import { EYES, REPROJECTIONS, eyesOf, reprojectionOf } from './viewing';
 import { VIEWS, viewOf } from './views';
@@ -61,7 +64,7 @@ const ALLOWED = {
   eyes: oneOf(...EYES),
   reproject: oneOf(...REPROJECTIONS),
   draw: oneOf(...DRAW_WISHES),
-  controls: oneOf('push', 'look', 'none'),
+  controls: oneOf(...CONTROLS),
   view: oneOf(...VIEWS),
   size: { holds: (text: string): boolean => sizeOf(text) !== undefined, text: 'width and height in pixels: 640x360' },
   quality: {
@@ -91,6 +94,7 @@ export class BrumeView extends HTMLElement {
       'box',
       'view',
       'name',
+      ...idleNames,
     ],
   ];
   // The camera to begin with, in place of the attributes: of a viewer that was here before.
@@ -102,6 +106,7 @@ export class BrumeView extends HTMLElement {
   private readonly ring = el('div', { class: 'ring' });
   private readonly message = el('p', { class: 'message', part: 'message', role: 'status' });
   private running: Viewer | undefined;
+  private watching = new AbortController(); // of who has not touched it
   private due = false; // true: attributes that need another connection have changed
   private line = ''; // that tells of the connection or the scene
   private faults = ''; // sentences on attributes that cannot be used
@@ -136,6 +141,7 @@ export class BrumeView extends HTMLElement {
   }
 
   disconnectedCallback(): void {
+    this.watching.abort();
     this.running?.stop();
     this.running = undefined;
   }
@@ -172,6 +178,11 @@ export class BrumeView extends HTMLElement {
       case 'quality':
         viewer?.setQuality(this.wishes().quality);
         break;
+      case 'idle':
+      case 'turn':
+      case 'home':
+        this.watch();
+        break;
       default:
         if (viewer) Object.assign(viewer.wishes, this.wishes(), { place: viewer.wishes.place });
         viewer?.resize();
@@ -203,6 +214,7 @@ export class BrumeView extends HTMLElement {
       const text = this.getAttribute(name);
       if (text !== null && !allowed.holds(text)) faults.push(`${name} takes ${allowed.text}.`);
     }
+    faults.push(...idleOf((name) => this.getAttribute(name)).faults);
     const before = this.faults;
     this.faults = faults.join(' ');
     if (this.faults !== '' && this.faults !== before) this.tell('note', { text: this.faults, kind: 'error' });
@@ -211,13 +223,12 @@ export class BrumeView extends HTMLElement {
   }
 
   private wishes(): Wishes {
-    const control = this.getAttribute('controls');
     const quality = this.getAttribute('quality') ?? '';
     return {
       cap: sizeOf(this.getAttribute('size')),
       quality: ALLOWED.quality.holds(quality) ? Number(quality) : 0,
       predict: this.hasAttribute('predict'),
-      control: control === 'none' || control === 'look' ? control : 'push',
+      control: controlOf(this.getAttribute('controls')),
       place: {},
       box: this.hasAttribute('box'),
       view: viewOf(this.getAttribute('view')),
@@ -225,6 +236,7 @@ export class BrumeView extends HTMLElement {
   }
 
   private restart(): void {
+    this.watching.abort();
     const was = this.running;
     was?.stop();
     this.running = undefined;
@@ -274,6 +286,16 @@ export class BrumeView extends HTMLElement {
     viewer.choose(eyesOf(this.getAttribute('eyes')), reprojectionOf(this.getAttribute('reproject')));
     viewer.chooseDraw(drawWishOf(this.getAttribute('draw')));
     viewer.start();
+    this.watch();
+  }
+
+  // With the attribute `idle` the camera turns by itself when nobody has touched it.
+  private watch(): void {
+    this.watching.abort();
+    this.watching = new AbortController();
+    if (!this.hasAttribute('idle') || !this.running) return;
+    const { wish } = idleOf((name) => this.getAttribute(name));
+    watchIdle(this, this.running, wish, this.watching.signal);
   }
 
   // One line about a connection that is not there, for pages that say nothing about it themselves. The same line tells

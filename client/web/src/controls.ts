@@ -11,7 +11,8 @@ export interface ControlsHost {
   readonly fovY: number;
   readonly mode: Mode;
   readonly mayLook: boolean; // false: nothing moves the camera
-  readonly pushing: boolean; // true: the push button is on
+  readonly pushing: boolean; // true: a drag pushes
+  readonly touches: boolean; // true: and two fingers, or another button, turn
   readonly mayPush: boolean; // true: this viewer's role allows pushes
   touched(): void; // the viewer has moved the camera or pressed the canvas
   pushed(active: boolean, x: number, y: number): void; // active: a push is under way; x, y: CSS pixels
@@ -140,7 +141,7 @@ export class Controls {
       for (const other of this.pointers.values()) {
         window.clearTimeout(other.timer);
         if (other.gesture === 'push') this.stopPush(other, true);
-        other.gesture = 'pan';
+        other.gesture = this.aside;
       }
     } else if (pointer.gesture === 'push') {
       this.startPush(event.timeStamp, pointer);
@@ -154,9 +155,9 @@ export class Controls {
   }
 
   private gestureOf(event: PointerEvent): Gesture {
-    if (event.button !== 0) return 'pan';
+    if (event.button !== 0) return this.aside;
     if (this.host.mayPush && (event.altKey || event.ctrlKey || event.metaKey)) return 'push';
-    if (event.shiftKey) return 'pan';
+    if (event.shiftKey) return this.aside;
     return this.host.pushing ? 'push' : 'turn';
   }
 
@@ -172,8 +173,9 @@ export class Controls {
       window.clearTimeout(pointer.timer);
     }
     if (this.pointers.size === 2) {
-      // Each finger carries half of the pan; their distance zooms.
-      this.pan(dx / 2, dy / 2);
+      // Each finger carries half of the way; their distance zooms.
+      if (this.host.touches) this.turn(dx / 2, dy / 2);
+      else this.pan(dx / 2, dy / 2);
       const after = this.span();
       if (before > 0 && after > 0) this.host.camera = zoom(this.host.camera, before / after);
     } else if (pointer.gesture === 'push') {
@@ -181,8 +183,7 @@ export class Controls {
     } else if (pointer.gesture === 'pan') {
       this.pan(dx, dy);
     } else {
-      const turn = this.host.mode === 'orbit' ? orbit : look;
-      this.host.camera = turn(this.host.camera, -dx * TURN_PER_PIXEL, -dy * TURN_PER_PIXEL);
+      this.turn(dx, dy);
     }
   }
 
@@ -226,6 +227,16 @@ export class Controls {
     this.keys.add(event.code);
     this.tapped.add(event.code);
     event.preventDefault();
+  }
+
+  // What two fingers do, and all but a plain drag.
+  private get aside(): Gesture {
+    return this.host.touches ? 'turn' : 'pan';
+  }
+
+  private turn(dx: number, dy: number): void {
+    const turn = this.host.mode === 'orbit' ? orbit : look;
+    this.host.camera = turn(this.host.camera, -dx * TURN_PER_PIXEL, -dy * TURN_PER_PIXEL);
   }
 
   private pan(dx: number, dy: number): void {

@@ -30,11 +30,16 @@ export interface ViewerEvents {
   moved(page: string): void; // the server has stopped and named another, whose page answers
 }
 
+// touch: a drag pushes, two fingers turn. push: a drag turns, a long press pushes. look: no pushes. none: nothing.
+export const CONTROLS = ['push', 'touch', 'look', 'none'] as const;
+export type Control = (typeof CONTROLS)[number];
+export const controlOf = (text: string | null): Control => CONTROLS.find((name) => name === text) ?? 'push';
+
 export interface Wishes {
   cap?: Size | undefined; // undefined: by the server's device, and by how fast it answers
   quality: number; // JPEG, 0 = the server's
   predict: boolean;
-  control: 'push' | 'look' | 'none'; // what the mouse, touch and keys may do
+  control: Control; // what the mouse, touch and keys may do
   place: Place; // of the first camera; what it leaves out is the scene's
   view: View; // drawn in the picture's place
   box: boolean; // true: the medium's box and a scale are drawn over the picture

@@ -37,7 +37,10 @@ export function controlsHost(viewer: Controlled, poses: Poses, events: ViewerEve
       return viewer.fovY;
     },
     get pushing() {
-      return viewer.pushing;
+      return viewer.pushing || this.touches;
+    },
+    get touches() {
+      return viewer.wishes.control === 'touch' && viewer.mayPush;
     },
     get mayPush() {
       return viewer.mayPush;

@@ -58,7 +58,7 @@ export class Viewer {
   size: Size; // of one eye's picture, as asked for
   linkState: LinkState['name'] = 'connecting';
   limit = Infinity; // pixels of one eye that the server draws at most, as far as its welcome tells
-  private home = this.camera; // the scene's own, or the place
+  home = this.camera; // the scene's own, or the place
   private push = false;
   private inSight = true; // the view on the page
   private readonly autoSize = new AutoSize();
@@ -169,7 +169,7 @@ export class Viewer {
   }
 
   get mayPush(): boolean {
-    return this.wishes.control === 'push' && mayPush(this.welcome?.role ?? 'operator');
+    return ['push', 'touch'].includes(this.wishes.control) && mayPush(this.welcome?.role ?? 'operator');
   }
 
   get mayControl(): boolean {

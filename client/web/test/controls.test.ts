@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { lookAt } from '../src/camera';
+import { lookAt, pivot } from '../src/camera';
 import { Controls } from '../src/controls';
 import type { ControlsHost } from '../src/controls';
 import type { Command } from '../src/protocol';
@@ -26,6 +26,7 @@ describe('keys', () => {
       mode: 'orbit',
       mayLook: true,
       pushing: false,
+      touches: false,
       mayPush: true,
       touched: () => undefined,
       pushed: () => undefined,
@@ -128,5 +129,67 @@ describe('keys', () => {
     const { yaw } = host.camera;
     expect(moved(60)).toBe(0);
     expect(host.camera.yaw).toBe(yaw);
+  });
+});
+
+describe('where a drag pushes', () => {
+  const sent: Command[] = [];
+  let surface: EventTarget;
+  let host: { -readonly [K in keyof ControlsHost]: ControlsHost[K] };
+  let pusher: Pusher;
+  let ending: AbortController;
+
+  beforeEach(() => {
+    ending = new AbortController();
+    vi.stubGlobal('window', Object.assign(new EventTarget(), { clearTimeout, setTimeout }));
+    vi.stubGlobal('document', { activeElement: null });
+    vi.stubGlobal('HTMLElement', class {});
+    sent.length = 0;
+    const getBoundingClientRect = () => ({ left: 0, top: 0, width: 400, height: 300 });
+    surface = Object.assign(new EventTarget(), {
+      setPointerCapture: () => undefined,
+      clientHeight: 300,
+      getBoundingClientRect,
+    });
+    host = {
+      ...{ camera: lookAt([0, 0, 10], [0, 0, 0]), fovY: 0.8, mode: 'orbit', mayLook: true, mayPush: true },
+      ...{ pushing: true, touches: true, touched: () => undefined, pushed: () => undefined },
+    };
+    pusher = new Pusher((command) => void sent.push(command));
+    new Controls(surface as HTMLElement, window as never, host, pusher, ending.signal);
+  });
+  afterEach(() => {
+    ending.abort();
+    vi.unstubAllGlobals();
+  });
+
+  const pointer = (type: string, pointerId: number, x: number, y: number, button = 0): void => {
+    const event = Object.assign(new Event(type, { cancelable: true }), { pointerId, clientX: x, clientY: y, button });
+    surface.dispatchEvent(Object.assign(event, { pointerType: 'touch' }));
+  };
+
+  test('one finger pushes and leaves the camera; two turn it about the same point, and do not push', () => {
+    const home = host.camera;
+    pointer('pointerdown', 1, 200, 150);
+    pointer('pointermove', 1, 240, 150);
+    pusher.update(performance.now() + 100);
+    expect(sent.map(({ kind }) => kind)).toEqual(['impulse']);
+    expect(host.camera).toBe(home);
+
+    pointer('pointerdown', 2, 300, 150);
+    for (const id of [1, 2]) pointer('pointermove', id, 240 + 60 * id, 150);
+    pusher.update(performance.now() + 1000);
+    for (const id of [1, 2]) pointer('pointerup', id, 0, 0);
+    expect(sent).toHaveLength(1);
+    expect(host.camera.yaw).not.toBe(home.yaw);
+    for (const x of pivot(host.camera)) expect(x).toBeCloseTo(0, 9);
+  });
+
+  test('another button turns, too', () => {
+    pointer('pointerdown', 1, 200, 150, 2);
+    pointer('pointermove', 1, 240, 150);
+    expect(sent).toHaveLength(0);
+    expect(host.camera.yaw).not.toBe(0);
+    for (const x of pivot(host.camera)) expect(x).toBeCloseTo(0, 9);
   });
 });
