@@ -12,6 +12,7 @@ import { Handles } from './handles';
 import { headsetSupported } from './headset';
 import { hintText } from './hint';
 import { KeyViews, pathAsked, useLens } from './key-views';
+import { Kiosk, kioskOf } from './kiosk';
 import { copyLink } from './link';
 import { elementsOf } from './lists';
 import { LiveLine } from './live-line';
@@ -53,12 +54,15 @@ const { place, faults } = placeOf((name) => query.get(name));
 faults.push(...followAddress(settings, location.search));
 let path = pathAsked(query, faults); // of the first scene
 if (faults.length > 0) notices.note(faults.join(' '), 'error');
+const alone = kioskOf(query);
+const kiosk = alone && new Kiosk(() => view.viewer?.link, [...faults, ...alone.faults]);
 
 // ---- the view ----
 
 const view = find<BrumeView>('view');
 view.addEventListener('statechange', ({ detail: state }) => {
   notices.link(state);
+  kiosk?.follow(state);
   if (state.name !== 'connected') notices.standstill(undefined); // nobody says so any more
 });
 view.addEventListener('note', ({ detail: { text, kind } }) => notices.note(text, kind));
@@ -128,6 +132,7 @@ function attributes(): Record<string, string | undefined> {
     box: settings.box ? '' : undefined,
     view: settings.view,
     name: keptName() || undefined,
+    ...alone?.attributes,
   };
 }
 
@@ -214,21 +219,23 @@ const actions: Record<string, () => void> = {
 for (const [name, action] of Object.entries(actions))
   document.getElementById(`tool-${name}`)?.addEventListener('click', action);
 
-onKeys({
-  KeyC: () => setMode(viewer().mode === 'orbit' ? 'fly' : 'orbit'),
-  KeyX: () => actions['push']?.(),
-  KeyT: () => actions['point']?.(),
-  KeyP: () => actions['pause']?.(),
-  KeyR: () => actions['reset']?.(),
-  KeyB: () => actions['box']?.(),
-  KeyL: () => actions['link']?.(),
-  KeyK: () => actions['key']?.(),
-  KeyV: () => actions['play']?.(),
-  KeyI: () => actions['stats']?.(),
-  KeyO: () => actions['panel']?.(),
-  Escape: () => (viewer().pushing ? (viewer().pushing = false) : toggles.panel(false)),
-});
-onUndo(() => actions['undo']?.());
+if (!kiosk) {
+  onKeys({
+    KeyC: () => setMode(viewer().mode === 'orbit' ? 'fly' : 'orbit'),
+    KeyX: () => actions['push']?.(),
+    KeyT: () => actions['point']?.(),
+    KeyP: () => actions['pause']?.(),
+    KeyR: () => actions['reset']?.(),
+    KeyB: () => actions['box']?.(),
+    KeyL: () => actions['link']?.(),
+    KeyK: () => actions['key']?.(),
+    KeyV: () => actions['play']?.(),
+    KeyI: () => actions['stats']?.(),
+    KeyO: () => actions['panel']?.(),
+    Escape: () => (viewer().pushing ? (viewer().pushing = false) : toggles.panel(false)),
+  });
+  onUndo(() => actions['undo']?.());
+}
 
 function change(wish: Partial<typeof settings>): void {
   const was = { ...settings };
@@ -270,7 +277,11 @@ async function doing(what: string, work: Promise<unknown>): Promise<void> {
 
 const showCloud = (file: File): void =>
   void doing(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file, panel.fileFrame()));
-onDrop(mayChoose, (over) => document.body.classList.toggle('dropping', over), showCloud);
+onDrop(
+  () => !kiosk && mayChoose(),
+  (over) => document.body.classList.toggle('dropping', over),
+  showCloud,
+);
 
 async function saveScene(): Promise<void> {
   const { camera, fovY, welcome } = viewer();

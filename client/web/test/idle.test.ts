@@ -85,7 +85,18 @@ describe('nobody touches the camera', () => {
     expect(host.camera.pitch).toBeCloseTo(HOME.pitch, 6);
     for (const [k, x] of pivot(host.camera).entries()) expect(x).toBeCloseTo(pivot(HOME)[k] ?? NaN, 6);
     const { step: later } = pass(300);
-    expect(later).toBeLessThan(1.01 * PACE); // and comes back once
+    expect(later).toBeLessThan(1.01 * PACE);
+    host.camera = zoom(host.camera, 2); // the next visitor's
+    pass(WISH.home + 12);
+    expect(host.camera.distance).toBeCloseTo(HOME.distance, 6);
+  });
+
+  test('it comes back once: then the drift has it alone', () => {
+    idle = new IdleCamera(host, WISH, now, (camera, s) => ({ ...camera, pitch: camera.pitch + s / 1000 }));
+    pass(WISH.home + 12);
+    const { pitch } = host.camera;
+    pass(20);
+    expect(host.camera.pitch - pitch).toBeCloseTo(0.02, 6);
   });
 
   test('who has the camera keeps it, and the time begins anew after', () => {
