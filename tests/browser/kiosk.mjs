@@ -1,11 +1,14 @@
 // A page that stands alone on a screen (?kiosk=1), in a real Chromium: node --test tests/browser/kiosk.mjs
 import assert from 'node:assert/strict';
+import { createHmac, randomBytes } from 'node:crypto';
 import { cpSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { another, connected, drag, openPage, settled, startBrowser, until } from './pages.mjs';
 import { WEB_ROOT, startServer } from './server.mjs';
+
+const SKIP = process.env.BRUME_TESTS !== 'whole' && 'it waits for long: BRUME_TESTS=whole';
 
 let browser, folder;
 before(async () => {
@@ -103,7 +106,7 @@ test('the picture is alone, a drag pushes, and nobody’s camera turns', async (
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
 
-test('who wants no motion gets none, and the address’s mistakes are one line', async (t) => {
+test('who wants no motion gets none, and the address’s mistakes are one line', { skip: SKIP }, async (t) => {
   const server = await startServer();
   t.after(() => server.stop());
   const page = await openPage(t, browser, `${server.url}/?kiosk=1&idle=2&turn=20`, { reducedMotion: 'reduce' });
@@ -160,6 +163,31 @@ test('a server that comes back with another page has it loaded, once', async (t)
   assert.match(page.url(), /\?kiosk=1&size=480x270$/);
   await another(page, 3);
   assert.equal(loads, 1);
+  await page.leave();
+  assert.equal(await server.stop(), 0, 'the server’s exit');
+});
+
+test('a token to push is enough; when it has ended, one line says so', { skip: SKIP }, async (t) => {
+  const secret = randomBytes(32);
+  const key = join(folder, 'token.key');
+  writeFileSync(key, secret, { mode: 0o600 });
+  const server = await startServer('--token-key', key);
+  t.after(() => server.stop());
+  // Clocks may be 30 s apart: it is good for another 15 s.
+  const claims = { exp: Math.floor(Date.now() / 1000) - 15, name: 'foyer', role: 'pusher' };
+  const said = Buffer.from(JSON.stringify(claims)).toString('base64url');
+  const token = `${said}.${createHmac('sha256', secret).update(said).digest('base64url')}`;
+  const page = await openPage(t, browser, `${server.url}/?kiosk=1#token=${token}`);
+  await connected(page);
+  await inputs(page);
+  await drag(page, [0.4, 0.5], [0.6, 0.5]);
+  assert.ok((await page.evaluate(() => window.inputs)).length > 0);
+  assert.deepEqual(await seen(page), ['view']);
+  await until(page, 'it is refused', (brume) => brume.state === 'refused');
+  const line = page.locator('#away');
+  await line.waitFor();
+  assert.match(await line.textContent(), /token.*\.$/);
+  t.diagnostic(await line.textContent());
   await page.leave();
   assert.equal(await server.stop(), 0, 'the server’s exit');
 });
