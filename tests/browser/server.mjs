@@ -36,6 +36,7 @@ export async function startServer(...options) {
   });
   return {
     url,
+    pid: child.pid,
     port: new URL(url).port,
     output: () => output,
     // As an operator would: the server says goodbye to its viewers. Resolves with its exit code.
