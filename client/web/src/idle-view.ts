@@ -1,8 +1,10 @@
 // The idle camera (idle.ts) of a viewer in its element: what counts as a touch there, and who else has the camera.
 import { fitAspect } from './camera';
 import type { Camera } from './camera';
-import { IdleCamera } from './idle';
-import type { IdleWish } from './idle';
+import type { CameraKey } from './camera-keys';
+import { IdleCamera, circle } from './idle';
+import type { Drift, IdleWish } from './idle';
+import { alongPath } from './idle-path';
 
 interface Watched {
   camera: Camera;
@@ -10,6 +12,17 @@ interface Watched {
   readonly linkState: string;
   readonly headset: unknown;
   readonly people: { readonly leader: unknown };
+  readonly welcome: { readonly path: readonly CameraKey[] } | undefined;
+}
+
+// Along the key views of the scene, where it has any; else about the pivot.
+function driftOf(viewer: Watched, turn: number): Drift {
+  let [keys, drift]: [unknown, Drift] = [undefined, circle(turn)];
+  return (camera, seconds) => {
+    const path = viewer.welcome?.path ?? [];
+    if (keys !== path) [keys, drift] = [path, path.length > 1 ? alongPath(path) : circle(turn)];
+    return drift(camera, seconds);
+  };
 }
 
 const LONGEST_S = 0.1; // that one animation frame counts for
@@ -27,6 +40,7 @@ export function watchIdle(surface: HTMLElement, viewer: Watched, wish: IdleWish,
         viewer.camera = value;
       },
       get home() {
+        if ((viewer.welcome?.path.length ?? 0) > 1) return viewer.camera; // the path is where it comes back to
         return fitAspect(viewer.home, surface.clientWidth / Math.max(1, surface.clientHeight));
       },
       get busy() {
@@ -41,6 +55,7 @@ export function watchIdle(surface: HTMLElement, viewer: Watched, wish: IdleWish,
     },
     wish,
     performance.now(),
+    driftOf(viewer, wish.turn),
   );
   const touch = (): void => idle.touch(performance.now());
   surface.addEventListener('pointerdown', ({ pointerId }) => void pressed.add(pointerId), until);

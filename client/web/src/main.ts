@@ -28,11 +28,10 @@ import { Pointing } from './pointing';
 import type { Report } from './report';
 import { keepToken, mayOperate, takeToken } from './role';
 import { RoomsPanel } from './rooms';
-import { savePicture } from './save-picture';
-import type { Still } from './save-picture';
+import { doing, saveScene, saveStill } from './saving';
 import { sentence } from './sentence';
 import { followAddress, loadSettings, saveSettings, settingsText } from './settings';
-import { Scenes, chooseFile, cloudName, noteOf, onDrop, saveFile } from './scenes';
+import { Scenes, chooseFile, cloudName, onDrop } from './scenes';
 import { PAUSED, changesBack, valuesOf } from './shared-settings';
 import type { Values } from './shared-settings';
 import { SIZE_CAPS } from './size';
@@ -261,39 +260,20 @@ const settingsBack = () => {
 };
 const mayChoose = (): boolean => mayOperate(viewer().welcome?.role ?? 'viewer');
 
-// Says what is being done, and then what came of it.
-async function doing(what: string, work: Promise<unknown>): Promise<void> {
-  panel.busy(what);
-  notices.note(what);
-  try {
-    const answer = await work;
-    if (typeof answer === 'string' && answer.includes('\n')) notices.note(noteOf(answer));
-  } catch (error) {
-    notices.note(sentence(error instanceof Error ? error.message : String(error)), 'error');
-    if (viewer().welcome) panel.scene(viewer().welcome?.scene ?? '');
-  }
-  panel.busy('');
-}
+const tells = {
+  busy: (text: string) => panel.busy(text),
+  note: (text: string, kind?: 'info' | 'error') => notices.note(text, kind),
+  failed: () => viewer().welcome && panel.scene(viewer().welcome?.scene ?? ''),
+};
+const does = (what: string, work: Promise<unknown>): void => void doing(what, work, tells);
 
 const showCloud = (file: File): void =>
-  void doing(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file, panel.fileFrame()));
+  does(`Uploading ${file.name} as “${cloudName(file.name)}”…`, scenes.showCloud(file, panel.fileFrame()));
 onDrop(
   () => !kiosk && mayChoose(),
   (over) => document.body.classList.toggle('dropping', over),
   showCloud,
 );
-
-async function saveScene(): Promise<void> {
-  const { camera, fovY, welcome } = viewer();
-  saveFile(`${cloudName(welcome?.scene ?? 'scene')}.toml`, await scenes.toml(camera, fovY, keyViews.keys));
-}
-
-function saveStill(kind: Still): Promise<void> {
-  const { camera, fovY, welcome, scene } = viewer();
-  const shown = { camera, fovY, window: { width: view.clientWidth, height: view.clientHeight }, view: settings.view };
-  const named = { scene: cloudName(welcome?.scene ?? 'scene'), figure: settings.box ? scene?.box : undefined };
-  return savePicture(kind, { ...shown, ...named }, location.href, token);
-}
 
 // ---- panel and overlay ----
 
@@ -335,11 +315,11 @@ const panel = buildPanel(
     setPredict: (predict) => change({ predict }),
     setBox: (box) => change({ box }),
     setView: (view) => change({ view }),
-    showScene: (name) => void doing(`Loading ${name}…`, scenes.show(name)),
+    showScene: (name) => does(`Loading ${name}…`, scenes.show(name)),
     openCloud: () => chooseFile(showCloud),
-    saveScene: () => void doing('Saving the scene…', saveScene()),
+    saveScene: () => does('Saving the scene…', saveScene(viewer(), scenes, keyViews.keys)),
     undo: () => actions['undo']?.(),
-    savePicture: (kind) => void doing('Saving the picture…', saveStill(kind)),
+    savePicture: (kind) => does('Saving the picture…', saveStill(kind, viewer(), view, settings, token)),
     resetAll: () => viewer().command({ kind: 'set', changes: settingsBack() }),
     close: () => toggles.panel(false),
   },
