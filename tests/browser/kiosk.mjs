@@ -25,9 +25,13 @@ const turns = (page) =>
   until(page, 'it turns by itself', ({ camera }, before) => Math.abs(camera.yaw - before.yaw) > 0.02, {
     yaw: page.yaw,
   });
-// Elements of the body that are to be seen.
+// Elements of the body, and of its main part, that are to be seen.
 const seen = (page) =>
-  page.evaluate(() => [...document.body.children].filter((one) => one.offsetHeight > 0).map((one) => one.id));
+  page.evaluate(() =>
+    [...document.querySelectorAll('body > :not(main), main > *')]
+      .filter((one) => one.offsetHeight > 0)
+      .map((one) => one.id),
+  );
 const inputs = (page) =>
   page.evaluate(() => {
     const { link } = document.getElementById('view').viewer;
