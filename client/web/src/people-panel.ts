@@ -92,7 +92,7 @@ export function peoplePanel(people: () => People): PeoplePanel {
     people().lead(people().now.presenter === 0),
   );
   const cameras = toggle(
-    'Where others look from',
+    'Others’ cameras',
     (on) => people().showCameras(on),
     'Small cones in the picture, in the colours of people',
   );
