@@ -8,7 +8,6 @@
 #include "common/scene_text.h"
 #include "server/compile/ahead.h"
 #include "server/loop/idle_ticks.h"
-#include "server/operate/replay_ticks.h"
 
 namespace brume {
 namespace {

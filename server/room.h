@@ -14,7 +14,7 @@
 #include "server/metrics/metrics.h"
 #include "server/net/rooms.h"
 #include "server/operate/recorder.h"
-#include "server/operate/replay.h"
+#include "server/operate/replay_ticks.h"
 #include "server/options/options.h"
 #include "server/scene_thread.h"
 

@@ -2,6 +2,7 @@
 // server answers there; the others are at "/r/NAME/", and answer the same.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/metrics/metrics.h"
@@ -41,7 +43,10 @@ private:
 
 // A room for as long as somebody holds it.
 struct Room {
-    std::string name; // empty: the one at "/"
+    Room(std::string own_name, Audience& people, Metrics& counts)
+        : name(std::move(own_name)), audience(people), metrics(counts) {}
+
+    const std::string name; // empty: the one at "/"
     Audience& audience;
     Metrics& metrics;
     Elsewhere elsewhere{};
