@@ -51,7 +51,7 @@ Granted enter(const Options& options, Interrupt& interrupt) {
         if (asked && !last_error.empty()) throw std::runtime_error("the scene is not paused: " + last_error);
         const auto* state = message->as<wire::SceneState>();
         if (!session->welcomed() || (options.pause && !(state && state->paused()))) continue;
-        const Granted granted = session->granted();
+        Granted granted = session->granted();
         link.leave("a film begins");
         return granted;
     }
