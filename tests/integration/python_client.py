@@ -11,23 +11,10 @@ import time
 import unittest
 import unittest.mock
 
-from python_server import COLD, PATIENCE, Server, Serving, brume, numpy, package, program
+from python_server import COLD, PATIENCE, OneServer, Serving, brume, numpy, package, program
 
 
-class Package(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.server = Server(program)
-
-    @classmethod
-    def tearDownClass(cls):
-        assert cls.server.stop() == 0, 'the server survived all of it'
-
-    def viewer(self, **options):
-        view = brume.connect(self.server.url, size=(160, 96), timeout=PATIENCE, **options)
-        self.addCleanup(view.close)
-        return view
-
+class Package(OneServer):
     def test_the_example_runs_as_it_is(self):
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run([sys.executable, pathlib.Path(package) / 'example.py', self.server.url], cwd=folder,

@@ -6,7 +6,7 @@ import time
 import unittest
 
 from PIL import Image
-from python_server import PATIENCE, Server, brume, program
+from python_server import PATIENCE, OneServer, brume
 
 
 def eventually(condition):
@@ -16,20 +16,7 @@ def eventually(condition):
         time.sleep(0.02)
 
 
-class People(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.server = Server(program)
-
-    @classmethod
-    def tearDownClass(cls):
-        assert cls.server.stop() == 0, 'the server survived all of it'
-
-    def viewer(self, **options):
-        view = brume.connect(self.server.url, size=(160, 96), timeout=PATIENCE, **options)
-        self.addCleanup(view.close)
-        return view
-
+class People(OneServer):
     def test_people_see_each_other(self):
         ann, bob = self.viewer(), self.viewer()
         self.assertEqual(ann.people, brume.People())

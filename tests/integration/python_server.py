@@ -54,3 +54,20 @@ class Serving(unittest.TestCase):
         server = Server(program, *options)
         self.addCleanup(server.stop)
         return server
+
+
+class OneServer(unittest.TestCase):
+    """Tests that share a server, each with viewers of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Server(program)
+
+    @classmethod
+    def tearDownClass(cls):
+        assert cls.server.stop() == 0, 'the server survived all of it'
+
+    def viewer(self, **options):
+        view = brume.connect(self.server.url, size=(160, 96), timeout=PATIENCE, **options)
+        self.addCleanup(view.close)
+        return view
