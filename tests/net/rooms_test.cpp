@@ -77,7 +77,8 @@ TEST_F(RoomsTest, EachHasItsOwnSceneAndPeople) {
     lab->pose(1);
     EXPECT_TRUE(frameOf(*lab, 1));
     // A command reaches its own room's simulation alone.
-    lab->say([](auto& b) { return wire::CreateInput(b, 1, 0, wire::Command::Restart, wire::CreateRestart(b).Union()); });
+    lab->say(
+        [](auto& b) { return wire::CreateInput(b, 1, 0, wire::Command::Restart, wire::CreateRestart(b).Union()); });
     EXPECT_TRUE(eventually([&] { return lab_renderer->commands().size() == 1; }));
     EXPECT_TRUE(renderer->commands().empty());
 }

@@ -65,8 +65,8 @@ struct Received {
 
 class WsClient {
 public:
-    // Connects and upgrades at `path`. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n"; `before`: sent
-    // before all else.
+    // Connects and upgrades at `path`. `headers`: sent in place of "Sec-WebSocket-Protocol: brume.v1\r\n"; `before`:
+    // sent before all else.
     explicit WsClient(uint16_t port, int receive_buffer = 0,
                       const std::string& headers = "Sec-WebSocket-Protocol: brume.v1\r\n",
                       const std::string& before = {}, const std::string& path = "/ws");

@@ -258,7 +258,7 @@ TEST_F(SessionRulesTest, RowsOfParticlesBeyondTheirLimitsAreRefusedAndPushesToo)
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, 61)), "seconds must be 0 ... 60");
     EXPECT_EQ(refused(setParticles(0, {}, {}, {}, {}, 1, kNan)), "seconds must be 0 ... 60");
     rules->shows({Layout::live, 1'000'000});
-    const Floats many(3001, 1.0f), places(3 * 3001, 1.0f);
+    const Floats many(3001, 1.0f), places(size_t{3} * 3001, 1.0f);
     EXPECT_EQ(refused(setParticles(0, places, many, many, {}, 1)), "3001 rows in one message; at most 3000");
 
     const wire::Vec3 ahead(0, 0, -1);
