@@ -141,7 +141,6 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
         use(home);
         rooms.each(use);
     };
-    rooms.end();
     eachRoom([](ServedRoom& room) {
         if (room.node()) room.node()->drain();
     });
@@ -154,6 +153,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
     network.stop(options.grace, options.drain_to);
     ending.within(kEndsWithin);
+    rooms.end(); // waits for a room that is being opened
     eachRoom([](ServedRoom& room) { room.stop(); });
     try {
         if (device.validationMessages() > 0)
