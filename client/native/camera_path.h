@@ -23,7 +23,7 @@ struct CameraPath {
     PathKind kind = PathKind::still;
     glm::vec3 position{0, 2, 26}, target{0}; // m; the start, and what it moves about; never equal
     float fov_y = 0.8f;
-    std::shared_ptr<const KeyPath> keys = {}; // of kind keys; null: the camera is still
+    std::shared_ptr<const KeyPath> keys = {}; // the path of kind keys; null: the camera is still
 
     // A pure function of the time since the start, in seconds.
     Pose at(double seconds) const;

@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook{20};
 constexpr uint64_t kMostPictureBytes = 64u << 20;
 constexpr milliseconds kPictureWithin{120'000}; // shaders may be compiled first
-constexpr int kMostTries = 24;                  // of one picture, while the server is busy or compiles shaders
+constexpr int kMostTries = 24;                  // tries of one picture, while the server is busy or compiles shaders
 constexpr std::chrono::seconds kBetweenTries{5};
 constexpr uint64_t kTellEvery = 100; // frames
 

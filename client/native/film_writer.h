@@ -35,7 +35,7 @@ private:
     std::string format_ = "png";
     uint64_t next_ = 1;
     JpegDecoder decoder_;
-    Picture pixels_; // of the newest picture
+    Picture pixels_; // pixels of the newest picture
     int pipe_ = -1;  // to ffmpeg; -1: numbered pictures
     pid_t ffmpeg_ = -1;
 };

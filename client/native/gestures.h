@@ -31,7 +31,7 @@ public:
 
     bool touched() const { return touched_; } // true once the user has moved the camera, which ends a path
     bool pauseToggled();                      // true once for each press of Space
-    bool undoAsked();                         // the same for Ctrl+Z
+    bool undoAsked();                         // true once after each Ctrl+Z
     Pose pose() const { return controls_.pose(); }
     void standAt(const Pose& pose) { controls_.standAt(pose); }
 

@@ -32,7 +32,7 @@ struct Options {
     bool save = true;                 // true: write the pictures too
     std::optional<CameraPath> camera; // replaces the scene's own camera; its kind is `path`
     PathKind path = PathKind::still;
-    std::shared_ptr<const KeyPath> keys; // of kind keys, from a file; null: the scene's own
+    std::shared_ptr<const KeyPath> keys; // key views of a file; null: the scene's own
     uint32_t fps = 30;                   // frames a second of a film
     std::vector<TimedImpulse> impulses;  // sorted by time
     bool pause = false;                  // true: pauses the scene, for everybody, before the first picture

@@ -50,7 +50,7 @@ struct Wishes {                         // what a viewer asks for in its hello
     bool keep_size = false;             // true: pictures come more seldom, not smaller
     uint8_t draw_hz = 0;                // above 0: lit particles, so many a second, in place of pictures
     std::string view = "picture";       // the view of how it is made, a name of view_names.h
-    std::string name;                   // that others see; empty: the token's, or one that the server finds
+    std::string name;                   // name that others see; empty: the token's, or one that the server finds
     std::string follow;                 // name of the person whose camera pictures have, once it is here; empty: none
 };
 
@@ -122,7 +122,7 @@ public:
     }
     uint32_t sendImpulse(const Impulse& impulse);
     uint32_t sendPaused(bool paused);
-    uint32_t sendUndo(); // of the newest change of anybody
+    uint32_t sendUndo(); // takes back the newest change of anybody
     // Tells the server that the frame was presented or dropped: it may send another.
     void acknowledge(uint32_t frame);
     void sendPing();

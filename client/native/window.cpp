@@ -316,7 +316,7 @@ private:
     Pose seen_;                        // camera of the picture that is shown
     std::string scene_;
     std::string standstill_;  // why the scene stands still; empty while ticks come
-    std::string leader_;      // whose camera pictures have; empty: its own
+    std::string leader_;      // person whose camera pictures have; empty: its own
     bool pause_sent_ = false; // true: Options::pause was carried out
     bool quit_ = false, paused_ = false;
     bool hidden_ = false; // true: the window is minimised
