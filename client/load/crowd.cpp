@@ -28,6 +28,8 @@ constexpr uint64_t kTryEveryUs = 250'000;  // wait of a viewer that found no ser
 constexpr size_t kMostNamed = 16;          // servers that goodbyes may name beside those of the options
 constexpr uint64_t kFirstFrames = 3;       // one more than are in flight: the first may wait for shaders to be compiled
 
+constexpr char kFirstName[] = "first of a load test";
+
 constexpr float kWider = 1.1f; // factor on the sides of a picture that is to be redrawn
 
 milliseconds millis(double seconds) { return milliseconds(static_cast<int64_t>(seconds * 1e3)); }
@@ -64,12 +66,13 @@ Crowd::Crowd(const Options& options, std::vector<client::Endpoint> servers, uint
         const size_t server = i % given_;
         const double phase = double(i) / viewers;
         Pusher pusher(options.push, options.seed + i, phase);
-        viewers_.push_back(std::make_unique<Viewer>(i + 1, session(path, server), path, phase, server, pusher));
+        viewers_.push_back(std::make_unique<Viewer>(i + 1, session(i + 1, path, server), path, phase, server, pusher));
     }
 }
 
-client::Session Crowd::session(const Path& path, size_t server, const std::string& key) {
+client::Session Crowd::session(uint32_t number, const Path& path, size_t server, const std::string& key) {
     client::Wishes wishes = options_.wishes;
+    if (options_.follow) (number == 1 ? wishes.name : wishes.follow) = kFirstName;
     wishes.views = path.stereo ? 2 : 1;
     return {servers_[server], wishes, millis(options_.timeout), loop_, key};
 }
@@ -157,7 +160,7 @@ bool Crowd::returns(const Viewer& viewer) {
 void Crowd::comeBack(Viewer& viewer, uint64_t now) {
     if (!viewer.next_try_us) planReturn(viewer, now);
     if (now < *viewer.next_try_us) return;
-    viewer.session = session(viewer.path, viewer.server, viewer.key);
+    viewer.session = session(viewer.number, viewer.path, viewer.server, viewer.key);
     viewer.next_try_us.reset();
 }
 

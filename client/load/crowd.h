@@ -56,7 +56,7 @@ private:
     std::optional<size_t> named(const Viewer& viewer);
     // The counts of the viewer's server. Precondition: watch() runs.
     ServerRun& counts(const Viewer& viewer);
-    client::Session session(const Path& path, size_t server, const std::string& key = {});
+    client::Session session(uint32_t number, const Path& path, size_t server, const std::string& key = {});
     [[noreturn]] void fail(const Viewer& viewer, const std::string& why) const;
 
     const Options& options_;

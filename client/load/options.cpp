@@ -65,6 +65,9 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     allow(app.add_option("--height", options.wishes.height)->capture_default_str(), 16, 8192);
     allow(app.add_option("--quality", options.wishes.quality, "JPEG quality wished for, 1 to 100; 0 = the server's"), 0,
           100);
+    auto* const follow = app.add_flag("--follow", options.follow,
+                                      "All follow the first viewer's camera, as a class does who presents: equal "
+                                      "pictures are drawn once");
     app.add_flag("--fixed-size", options.wishes.keep_size,
                  "Pictures come more seldom, not smaller, however busy the server is: for comparisons");
     allow(app.add_option(
@@ -73,7 +76,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
           0, 8);
     allow(app.add_option("--draw", options.wishes.draw_hz,
                          "Viewers draw by themselves: they take so many lit particles a second in place of pictures"),
-          0, 60);
+          0, 60)
+        ->excludes(follow);
     app.add_flag("--decode", options.decode,
                  "Decode the pictures too, or unpack the particles, as a real viewer does; costs CPU time here");
     allow(app.add_option("--push", options.push, "Pushes a second of each viewer, near the middle of the scene")
@@ -136,6 +140,8 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
                 if (other.url() == server.url()) refuse("--server", url, "is named twice");
             options.servers.push_back(std::move(server));
         }
+        if (options.follow && options.servers.size() > 1)
+            throw CLI::ValidationError("--follow", "is for one server: people of several do not see each other");
         options.server_arguments = wordsOf(start);
         options.out = out;
     } catch (const CLI::Success& success) { // --help, --version

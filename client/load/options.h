@@ -32,6 +32,7 @@ struct Options {
     bool decode = false;                       // true: the pictures are decoded too, and particles unpacked
     bool reconnect = false;                    // true: a viewer whose connection ends connects again
     std::vector<client::Endpoint> servers;     // running servers, all different; empty: one is started
+    bool follow = false;                       // true: all follow the first viewer's camera
     bool anywhere = false;                     // true: other machines may be loaded
     double push = 0;                           // pushes a second of each viewer
     uint64_t seed = 1;                         // seed of the places where viewers push

@@ -113,6 +113,7 @@ Json jsonOf(const Run& run) {
           {"device_shared_ms", rounded(1e3 * cost.shared_s)},
           {"device_views_ms", rounded(1e3 * cost.views_s)},
           {"batches", rounded(cost.batches)},
+          {"pictures", rounded(cost.pictures)},
           {"frames_rendered", rounded(cost.rendered)},
           {"frames_superseded", rounded(cost.superseded)},
           {"memory_bytes", rounded(cost.memory_bytes)},
@@ -127,9 +128,9 @@ Json jsonOf(const Run& run) {
 
 std::string tableHead() {
     return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | age, ms: p95 | "
-           "kB/s each | server, cores | ms a frame | device, ms a frame: shared | view | batches/s | error, %: predicted | "
+           "kB/s each | server, cores | ms a frame | device, ms a frame: shared | view | batches/s | pictures/s | error, %: predicted | "
            "measured, median | worst | load, cores | others, cores |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string tableLine(const Run& run) {
@@ -139,7 +140,7 @@ std::string tableLine(const Run& run) {
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
           run.ageMs(0.95), double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds,
           run.cpuMsPerFrame(), 1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered,
-          cost.batches / run.seconds, 100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1),
+          cost.batches / run.seconds, cost.pictures / run.seconds, 100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1),
           run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';

@@ -18,6 +18,7 @@ struct ServerCost {
     double cpu_s = 0;                        // all threads
     double shared_s = 0, views_s = 0;        // device time: passes made once for all viewers, passes of each view
     double batches = 0, rendered = 0;        // submissions to the device, frames
+    double pictures = 0;                     // drawn: frames with the same camera share one
     double superseded = 0;                   // frames that a newer one replaced before they were sent
     double memory_bytes = 0;                 // resident memory, at the end
     double plan_error = 0;                   // at the end: relative RMSE that the plan expects

@@ -122,6 +122,7 @@ ServerCost costBetween(const Series& before, const Series& after) {
     cost.shared_s = grown("brume_device_seconds_total{part=\"shared\"}");
     cost.views_s = grown("brume_device_seconds_total{part=\"view\"}");
     cost.batches = grown("brume_batches_total");
+    cost.pictures = grown("brume_pictures_total");
     cost.rendered = grown("brume_frames_total{fate=\"rendered\"}");
     cost.superseded = grown("brume_frames_total{fate=\"superseded\"}");
     cost.memory_bytes = at(after, "process_resident_memory_bytes");
@@ -140,7 +141,7 @@ ServerCost total(const std::vector<ServerRun>& servers) {
         const ServerCost& cost = servers[i].cost;
         for (double ServerCost::*part :
              {&ServerCost::cpu_s, &ServerCost::shared_s, &ServerCost::views_s, &ServerCost::batches,
-              &ServerCost::rendered, &ServerCost::superseded, &ServerCost::memory_bytes})
+              &ServerCost::pictures, &ServerCost::rendered, &ServerCost::superseded, &ServerCost::memory_bytes})
             all.*part += cost.*part;
         for (double ServerCost::*part : {&ServerCost::plan_error, &ServerCost::relaxed})
             all.*part = std::fmax(all.*part, cost.*part);

@@ -122,6 +122,15 @@ TEST_F(Load, MeasuresARunningServer) {
     EXPECT_EQ(metric(server.port(), "brume_viewers"), 0); // all have said goodbye
 }
 
+// Who follows gets the pictures of whom it follows.
+TEST_F(Load, AClassSharesItsPictures) {
+    const auto load = this->load({"--viewers", "4", "--seconds", "2", "--follow", "--paths", "orbit"});
+    ASSERT_EQ(load->exitCode(), 0) << load->err();
+    const Json cost = result()["runs"][0]["server"];
+    EXPECT_GT(cost["pictures"], 0);
+    EXPECT_GT(cost["frames_rendered"], 1.5 * cost["pictures"].get<double>());
+}
+
 TEST_F(Load, StartsAndStopsAServerAndTellsBrokenBudgets) {
     const auto load = this->load({"--viewers", "1", "--seconds", "0.5", "--assert", "fps>=100000@1", "--assert",
                                   "p50<=0", "--assert", "cpu<=1000"});
