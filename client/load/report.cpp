@@ -140,8 +140,9 @@ std::string tableLine(const Run& run) {
          {run.leastFps(), run.medianFps(), run.mostFps(), run.latencyMs(0.5), run.latencyMs(0.95), run.latencyMs(0.99),
           run.ageMs(0.95), double(run.bytes) * 1e-3 / run.seconds / run.viewers, cost.cpu_s / run.seconds,
           run.cpuMsPerFrame(), 1e3 * cost.shared_s / cost.rendered, 1e3 * cost.views_s / cost.rendered,
-          cost.batches / run.seconds, cost.pictures / run.seconds, 100 * cost.plan_error, 100 * run.errorMeasured(0.5), 100 * run.errorMeasured(1),
-          run.own_cpu_s / run.seconds, (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
+          cost.batches / run.seconds, cost.pictures / run.seconds, 100 * cost.plan_error, 100 * run.errorMeasured(0.5),
+          100 * run.errorMeasured(1), run.own_cpu_s / run.seconds,
+          (run.machine_busy_s - run.own_cpu_s - cost.cpu_s) / run.seconds})
         line += ' ' + digits(value) + " |";
     return line + '\n';
 }

@@ -276,10 +276,9 @@ TEST(Scene, IsFoundByNameOrPath) {
     } catch (const SceneError& error) {
         EXPECT_NE(
             std::string(error.what())
-                .find(
-                    "cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
-                    "flame, flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, "
-                    "tetrahedra, tubes, tubes-union"),
+                .find("cloud, cloud-5000, cloud-65535, courtyard, cube-and-sphere, cumulus, dusk, dusty-room, "
+                      "flame, flythrough, glass, islands, lamp, morning, plume, props, smoke-spots, stage, street, "
+                      "tetrahedra, tubes, tubes-union"),
             std::string::npos)
             << error.what();
     }
