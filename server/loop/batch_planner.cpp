@@ -16,21 +16,37 @@ constexpr auto kRecent = std::chrono::seconds(1);
 double paidPixels(double pixels) { return pixels > 0 ? std::max(pixels, kLeastPixels) : 0; }
 double paidPixels(const PoseRequest& request) { return paidPixels(pixelsOf(request)); }
 
+// The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
+// quarter to spare, so that sizes do not swing.
+double fittedSide(double part, double before) {
+    constexpr double kSteps[] = {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
+    for (const double side : kSteps)
+        if (side * side * (side > before ? 1.25 : 1) <= part) return side;
+    return kSteps[std::size(kSteps) - 1];
+}
+
 } // namespace
 
-// Pixels that every viewer may have drawn, so that a frame of all takes no more than `most_ms`. Of a viewer who keeps
-// the size one picture alone takes no more: it is drawn more seldom.
-void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms) {
+// Limits pictures so that a frame of all viewers takes no more than `most_ms`. Of those who keep the size one picture
+// alone takes no more: it is drawn more seldom. `still`: true for pictures at rest, false for those that move.
+void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms, bool still) {
     wishes_.clear();
-    most_pixels_.clear();
-    for (const std::shared_ptr<Viewer>& viewer : viewers)
-        wishes_.push_back(schedule_.predict(viewer->id(), paidPixels(viewer->wishedPixels())));
-    const double whole = schedule_.forPictures(most_ms), level = fairLevel(wishes_, whole);
-    for (size_t i = 0; i < viewers.size(); ++i) {
-        const double most = viewers[i]->keepsSize() ? whole : level;
-        most_pixels_.push_back(wishes_[i] > most
-                                   ? std::max(viewers[i]->wishedPixels() * most / wishes_[i], kLeastPixels)
-                                   : std::numeric_limits<double>::infinity());
+    demands_.clear();
+    for (auto& [wish, shared] : shared_) shared.viewers = 0, shared.ms = 0;
+    for (const std::shared_ptr<Viewer>& viewer : viewers) {
+        const Viewer::Wish& wish = wishes_.emplace_back(viewer->wish());
+        Shared& shared = shared_[wish];
+        ++shared.viewers;
+        shared.ms = std::max(shared.ms, schedule_.predict(viewer->id(), paidPixels(wish.pixels)));
+    }
+    std::erase_if(shared_, [](const auto& one) { return one.second.viewers == 0; });
+    for (const Viewer::Wish& wish : wishes_) demands_.push_back(shared_[wish].ms / shared_[wish].viewers);
+    const double whole = schedule_.forPictures(most_ms), level = fairLevel(demands_, whole);
+    for (auto& [wish, shared] : shared_) {
+        const double most = wish.keeps_size ? whole : level * shared.viewers;
+        shared.limit.pixels = shared.ms > most ? std::max(wish.pixels * most / shared.ms, kLeastPixels)
+                                               : std::numeric_limits<double>::infinity();
+        if (!still) shared.limit.side = fittedSide(shared.limit.pixels / wish.pixels, shared.limit.side);
     }
 }
 
@@ -40,7 +56,7 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
     requests_.clear();
     draw_requests_.clear();
     for (size_t i = 0; i < viewers.size(); ++i)
-        if (const auto due = viewers[i]->pollDue(now, scene, still, most_pixels_[i], limits.layers_last))
+        if (const auto due = viewers[i]->pollDue(now, scene, still, shared_[wishes_[i]].limit, limits.layers_last))
             addDue(viewers[i], *due, limits.full || still);
 }
 
@@ -67,15 +83,18 @@ void BatchPlanner::takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, u
     size_t known = 0; // viewers who are due anyway come in the order of all
     const size_t due_anyway = due_.size();
     double ms = 0;
-    for (const Schedule::DrawRequest& request : draw_requests_) ms += schedule_.predict(request.viewer, request.pixels);
+    for (uint32_t i = 0; i < draw_requests_.size(); ++i)
+        if (const Schedule::DrawRequest& one = draw_requests_[i]; one.like == i)
+            ms += schedule_.predict(one.viewer, one.pixels);
     for (size_t i = 0; i < viewers.size(); ++i) {
         if (known < due_anyway && due_[known] == viewers[i]) {
             ++known;
             continue;
         }
-        const auto due = viewers[i]->pollDue(now, scene, false, most_pixels_[i], limits.layers_last, 0.5f);
+        const auto due = viewers[i]->pollDue(now, scene, false, shared_[wishes_[i]].limit, limits.layers_last, 0.5f);
         if (!due) continue;
-        ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));
+        if (std::ranges::none_of(requests_, [&](const PoseRequest& other) { return samePictures(other, *due); }))
+            ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));
         if (ms > limits.budget_ms) return;
         addDue(viewers[i], *due, limits.full);
     }
@@ -132,12 +151,12 @@ bool BatchPlanner::plan(std::span<const std::shared_ptr<Viewer>> viewers, uint64
     out.still_pictures = out.one_shot = false;
     out.full_batch_ratio = 1;
     schedule_.expect(limits.ms_per_pixel);
-    limitSizes(viewers, limits.most_ms);
+    limitSizes(viewers, limits.most_ms, false);
     findDue(viewers, scene, limits, false, now);
     takeAlong(viewers, scene, limits, now);
     if (draw_requests_.empty() && limits.still) { // no viewer's picture has changed
         out.still_pictures = true;
-        limitSizes(viewers, limits.most_ms / std::max(1.0, limits.still_ratio));
+        limitSizes(viewers, limits.most_ms / std::max(1.0, limits.still_ratio), true);
         findDue(viewers, scene, limits, true, now);
     }
     const size_t watched = requests_.size();

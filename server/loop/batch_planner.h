@@ -72,7 +72,7 @@ public:
     void took(const BatchContents& batch, double shared_ms, double besides, bool usual);
 
     // What the device has to do for this viewer, and for how many it does.
-    double predictMs(uint32_t viewer) const { return schedule_.predict(viewer); }
+    double predictMs(uint32_t viewer) const { return schedule_.predictPart(viewer); }
     // Schedule::someoneWaits().
     bool someoneWaits() const { return schedule_.someoneWaits(); }
     // Viewers for whom there is time within `most_ms` if each has a picture of `pixels`; nothing is known: infinite.
@@ -82,7 +82,7 @@ public:
 private:
     static constexpr uint32_t kFirstSeat = 1u << 31; // viewers' ids count up from 1
 
-    void limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms);
+    void limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms, bool still);
     void findOneShots(std::span<const std::shared_ptr<Viewer>> viewers, std::span<const uint32_t> deferred);
     void takeOneShot(std::span<const std::shared_ptr<Viewer>> viewers, const PoseRequest& request, uint64_t scene,
                      Clock::time_point now, BatchContents& out);
@@ -99,7 +99,15 @@ private:
     // Numbers by which the schedule knows owners whose one-shot pictures wait. Each has a viewer's turn.
     std::map<std::string, uint32_t> seats_;
     uint32_t next_seat_ = kFirstSeat;
-    std::vector<double> wishes_, most_pixels_; // by viewer: device time, predicted; Viewer::pollDue()
+    // Pictures that viewers with equal wishes share.
+    struct Shared {
+        uint32_t viewers = 0; // that wish for them
+        double ms = 0;        // of the device, predicted
+        SizeLimit limit;
+    };
+    std::map<Viewer::Wish, Shared> shared_;
+    std::vector<Viewer::Wish> wishes_;         // by viewer
+    std::vector<double> demands_;              // by viewer: its part of what its pictures take, ms
     std::vector<uint32_t> present_;            // ids in the schedule
     std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists
     std::vector<PoseRequest> requests_;

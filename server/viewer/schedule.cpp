@@ -61,9 +61,13 @@ double Schedule::predict(uint32_t viewer, double pixels) const {
     return pixels * (turn != turns_.end() && turn->second.ms_per_pixel > 0 ? turn->second.ms_per_pixel : ms_per_pixel_);
 }
 
-double Schedule::predict(uint32_t viewer) const {
+double Schedule::predictPart(uint32_t viewer, const Turn& turn) const {
+    return predict(viewer, turn.pixels) / turn.sharers;
+}
+
+double Schedule::predictPart(uint32_t viewer) const {
     const auto turn = turns_.find(viewer);
-    return turn == turns_.end() ? 0 : predict(viewer, turn->second.pixels);
+    return turn == turns_.end() ? 0 : predictPart(viewer, turn->second);
 }
 
 // The most of the device that a viewer gets: 1 is all of it.
@@ -71,7 +75,7 @@ double Schedule::fairPart(Clock::time_point now) {
     demands_.clear();
     for (const auto& [viewer, turn] : turns_)
         if (now - turn.seen <= kActive)
-            demands_.push_back(std::min(predict(viewer, turn.pixels) / std::max(turn.every_ms, 1e-3), 1.0));
+            demands_.push_back(std::min(predictPart(viewer, turn) / std::max(turn.every_ms, 1e-3), 1.0));
     active_ = uint32_t(demands_.size());
     return std::min(fairLevel(demands_, 1), 1.0);
 }
@@ -82,7 +86,7 @@ void Schedule::setTurns(std::span<const DrawRequest> requests, Clock::time_point
     deadlines_.clear();
     for (const DrawRequest& request : requests) {
         const Turn& turn = turns_[request.viewer];
-        const double ms = predict(request.viewer, request.pixels); // 0 where nothing is known, and then of `part`, too
+        const double ms = predictPart(request.viewer, turn); // 0 where nothing is known, and then of `part`, too
         const auto own = std::min(Millis(part > 0 ? ms / part : 0), Millis(kForget));
         const auto interval =
             std::max<Clock::duration>(tick * request.every, std::chrono::duration_cast<Clock::duration>(own));
@@ -94,8 +98,11 @@ void Schedule::setTurns(std::span<const DrawRequest> requests, Clock::time_point
 
 std::span<const uint32_t> Schedule::choose(std::span<const DrawRequest> requests, const Limits& limits,
                                            Clock::time_point now, Clock::duration tick) {
+    sharers_.assign(requests.size(), 0);
+    for (const DrawRequest& request : requests) ++sharers_[request.like];
     for (const DrawRequest& request : requests) {
         Turn& turn = turns_[request.viewer];
+        turn.sharers = sharers_[request.like];
         if (!turn.waits) turn.waits = true, turn.since = now;
         turn.seen = now;
         turn.pixels = request.pixels;

@@ -17,12 +17,12 @@ namespace brume {
 // `capacity`. Infinite where there is enough for all. Max-min fairness; O(n^2), allocates nothing.
 double fairLevel(std::span<const double> demands, double capacity);
 
-// Equal time for each viewer; of those whose turn has come the earliest deadline first (worst-case fair queueing,
-// Bennett and Zhang 1996):
+// Equal time for each viewer, where those who ask for the same pictures share their time; of those whose turn has come
+// the earliest deadline first (worst-case fair queueing, Bennett and Zhang 1996):
 //   turn     = the turn of its last frame + interval, and not before the viewer asked
 //   deadline = turn + interval
-//   interval = max(ticks that its quality allows, its predicted time / its part of the device)
-//   part     = what it demands, its predicted time once a tick, but not more than the fair level of all active viewers
+//   interval = max(ticks that its quality allows, its part of the predicted time / its part of the device)
+//   part     = what it demands, that time once a tick, but not more than the fair level of all active viewers
 // So a small picture never waits for more than one dear one, and who comes anew is no better off than who stays.
 class Schedule {
 public:
@@ -77,8 +77,9 @@ public:
     // Predicted device time (ms) of a viewer's pictures. A viewer not measured yet counts as the average one. 0:
     // nothing is known.
     double predict(uint32_t viewer, double pixels) const;
-    // The same for the pictures that the viewer last asked for; 0 for an unknown viewer.
-    double predict(uint32_t viewer) const;
+    // Its part of that for the pictures that it last asked for: those who ask for the same ones share the time. 0 for
+    // an unknown viewer.
+    double predictPart(uint32_t viewer) const;
     // Device time (ms) for viewers' own pictures in a batch of `most_ms`: what is left besides the work that they
     // share, and half of it at least, since smaller pictures do not make that work less.
     double forPictures(double most_ms) const { return std::max(most_ms - shared_ms_, most_ms / 2); }
@@ -94,12 +95,14 @@ private:
     struct Turn {
         double ms_per_pixel = 0;                    // smoothed; 0: not measured
         double pixels = 0;                          // of its last request
+        uint32_t sharers = 1;                       // who asked for the same pictures then, this one among them
         double every_ms = 0;                        // least time between its frames
         Clock::time_point began{}, since{}, seen{}; // began: the turn of its last frame
         bool waits = false;                         // True: asked at `since`, not drawn yet
     };
     void setTurns(std::span<const DrawRequest> requests, Clock::time_point now, Clock::duration tick);
     double fairPart(Clock::time_point now);
+    double predictPart(uint32_t viewer, const Turn& turn) const;
 
     std::map<uint32_t, Turn> turns_; // by viewer; forgotten when it leaves, and 10 s after its last request
     double shared_ms_ = 0, ms_per_pixel_ = 0, full_batch_ms_ = 0, chosen_ms_ = 0;
@@ -108,7 +111,8 @@ private:
     std::vector<Clock::time_point> turn_of_, deadlines_; // by request
     std::vector<double> demands_;                        // of active viewers, parts of the device
     std::vector<uint32_t> order_, chosen_;
-    std::vector<char> drawn_; // [request]: 1 if its pictures are in the batch
+    std::vector<char> drawn_;       // [request]: 1 if its pictures are in the batch
+    std::vector<uint32_t> sharers_; // [request]: how many ask for the pictures of which it is the first
 };
 
 } // namespace brume

@@ -41,15 +41,6 @@ float reachOf(const EncodedFrame& frame) {
     return reach;
 }
 
-// The factor on the sides of a picture of which only a part of the pixels may be drawn. It grows only where there is a
-// quarter to spare, so that sizes do not swing.
-double fitted(double part, double before) {
-    constexpr double kSteps[] = {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125};
-    for (const double side : kSteps)
-        if (side * side * (side > before ? 1.25 : 1) <= part) return side;
-    return kSteps[std::size(kSteps) - 1];
-}
-
 std::chrono::duration<double> ticksLong(double ticks) { return std::chrono::duration<double>(ticks * kTickSeconds); }
 
 } // namespace
@@ -177,26 +168,20 @@ void Viewer::close() {
     notify_ = nullptr;
 }
 
-double Viewer::wishedPixels() const {
+Viewer::Wish Viewer::wish() const {
     const std::scoped_lock lock(mutex_);
-    if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return 0;
-    return pixelsOf(*pose_);
-}
-
-bool Viewer::keepsSize() const {
-    const std::scoped_lock lock(mutex_);
-    return pose_ && pose_->keeps_size;
+    if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
+    return {pose_->follows ? pose_->follows : id_, pixelsOf(*pose_), pose_->keeps_size};
 }
 
 std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
-                                           double most_pixels, Clock::duration layers_last, float part) {
+                                           const SizeLimit& limit, Clock::duration layers_last, float part) {
     const std::scoped_lock lock(mutex_);
     if (closed_ || !pose_ || pose_->hidden || pose_->one_shot || !refusal_.empty()) return {};
     const QualityStep step = this->step();
-    if (!still_picture) fit_ = fitted(most_pixels / pixelsOf(*pose_), fit_);
-    PoseRequest request = reducedBy(step);
-    const PoseRequest whole = reducedBy(quality_.linkStep(pose_->keeps_size)); // as the link alone would have it
-    request.reduced = fit_ < 1 ? Reduced::device : quality_.reduced();
+    PoseRequest request = reducedBy(step, limit.side);
+    const PoseRequest whole = reducedBy(quality_.linkStep(pose_->keeps_size), limit.side); // as the link alone has it
+    request.reduced = limit.side < 1 ? Reduced::device : quality_.reduced();
     if (made_ && scene && scene == scene_ && (samePictures(*made_, request) || samePictures(*made_, whole))) {
         // PNG is large: over a link that has queued, the next pose's picture would wait behind it.
         const bool lossless =
@@ -204,7 +189,7 @@ std::optional<PoseRequest> Viewer::pollDue(Clock::time_point now, std::optional<
         const bool collects = request.show == kShowsErrors && measurable_ && now - made_at_ >= kMeasuresEvery;
         if (!still_picture || (made_detail_ != Detail::moving && !lossless && !collects)) return {};
         if (quality_.level() > 0 || now - made_at_ < kRestsFor) return {};
-        if (pixelsOf(whole) <= most_pixels) request = whole;
+        if (pixelsOf(whole) <= limit.pixels) request = whole;
         if (pixelsOf(request) < pixelsOf(*made_)) request.width = made_->width, request.height = made_->height;
         request.reduced = request.width < pose_->width ? Reduced::device : Reduced::no;
         request.still_picture = true;
@@ -238,10 +223,10 @@ bool Viewer::redraws(const PoseRequest& request, float part) const {
            glm::distance(made.position, wanted.position) < part * layers_reach_ * std::min(half / kUsualTangent, 1.0f);
 }
 
-PoseRequest Viewer::reducedBy(const QualityStep& step) const {
+PoseRequest Viewer::reducedBy(const QualityStep& step, double side) const {
     PoseRequest request = *pose_;
     request.quality = std::min(request.quality, step.quality);
-    const double side = std::min(step.half ? 0.5 : 1.0, fit_);
+    if (step.half) side = std::min(side, 0.5);
     request.width = uint16_t(std::max(request.width * side, 1.0));
     request.height = uint16_t(std::max(request.height * side, 1.0));
     return request;

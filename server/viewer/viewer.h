@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "server/viewer/history.h"
@@ -17,6 +18,12 @@ namespace brume {
 
 // A camera that has stood still for so long rests.
 inline constexpr std::chrono::milliseconds kRestsFor{150};
+
+// How large a picture may be.
+struct SizeLimit {
+    double pixels = std::numeric_limits<double>::infinity(); // of all eyes together, at rest
+    double side = 1;                                         // factor on the sides of one that moves
+};
 
 // Thread-safe: one connection and the frame loop hold the same object.
 class Viewer {
@@ -93,20 +100,24 @@ public:
     // full.
     // - Nothing is due when the picture would equal the last one: the view and `scene`, a version of all that is seen,
     //   are the same. Who shows a hidden window again gets one all the same. `scene` of nothing never is the same.
-    // - `most_pixels`: of all eyes together. A larger picture is made smaller, in steps.
     // - `still_picture`: true asks for refinements of a picture at rest instead: JPEG of quality 90 or more after 150
     // ms,
     //   and PNG 150 ms later, over a link that does not queue. Each comes once. Who looks at errors gets more while
-    //   something can be measured. Refinements have the size that was asked for, if `most_pixels` allows it.
+    //   something can be measured. Refinements have the size that was asked for, if `limit.pixels` allows it.
     // - `layers_last`: for so long a picture with layers shows the medium right. Until then nothing is due of one that
     //   the viewer can redraw: its camera has moved little. `part`: of both, below 1 for who may come early.
     std::optional<PoseRequest> pollDue(Clock::time_point now, std::optional<uint64_t> scene, bool still_picture,
-                                       double most_pixels = std::numeric_limits<double>::infinity(),
-                                       Clock::duration layers_last = {}, float part = 1);
-    // Pixels of all its eyes together that it asks for; 0 while nothing is due to it, and for one_shot.
-    double wishedPixels() const;
-    // True: it would rather have fewer pictures than smaller ones.
-    bool keepsSize() const;
+                                       const SizeLimit& limit = {}, Clock::duration layers_last = {}, float part = 1);
+    // What it asks for. Viewers with equal wishes have equal pictures, where their links allow it.
+    struct Wish {
+        uint32_t camera = 0;     // id of the viewer whose camera it has: its own, or whom it follows
+        double pixels = 0;       // of all its eyes together; 0 while nothing is due to it, and for one_shot
+        bool keeps_size = false; // True: it would rather have fewer pictures than smaller ones
+        bool operator<(const Wish& other) const {
+            return std::tie(camera, pixels, keeps_size) < std::tie(other.camera, other.pixels, other.keeps_size);
+        }
+    };
+    Wish wish() const;
     // The request of a viewer whose pose is PoseRequest::one_shot, until its frame was handed out. pollDue() returns
     // nothing for such a viewer.
     std::optional<PoseRequest> pollOneShot();
@@ -157,7 +168,7 @@ private:
     // Precondition of all: mutex_ is held.
     void place(const PoseRequest& request);
     QualityStep step() const;
-    PoseRequest reducedBy(const QualityStep& step) const; // the pose's, no larger than fits
+    PoseRequest reducedBy(const QualityStep& step, double side) const; // the pose's
     // Of the pending frame, whose medium the viewer draws: what it can read. False: it can read none of it.
     bool chooseRows();
     // True: the viewer can redraw it from its last picture, within a part of what that tolerates.
@@ -187,7 +198,6 @@ private:
     float layers_reach_ = 0;              // m, that its eye may move with its last picture's layers; 0: it had none
     uint32_t layers_every_ = 1;           // least ticks between frames while it redraws them
     bool measurable_ = true;              // False: cannotMeasure() was called since it was made
-    double fit_ = 1;                      // factor on the sides of its pictures, for `most_pixels`
     std::optional<DeviceLoad> device_;    // since the last observe()
     bool held_back_ = false;              // True: the window of bytes held a request back since then
     uint64_t superseded_seen_ = 0;        // Counts::superseded at the last observe()

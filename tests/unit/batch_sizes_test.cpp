@@ -1,5 +1,6 @@
 // How large a submission's pictures are: a frame of all viewers has its time.
 #include <map>
+#include <set>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -40,6 +41,78 @@ TEST(BatchSizes, WishesThatDoNotFitAreMadeSmallerAtOnce) {
     }
     ASSERT_EQ(widths.size(), 20u);
     for (const auto& [id, width] : widths) EXPECT_EQ(width, id == 8 ? 320u : 360u) << id;
+}
+
+// A class: all but `others` have the camera of the first. A pixel costs `per_pixel` ms. Who is drawn how often, and
+// with what width, in 20 s; the camera moves for ever.
+struct Drawn {
+    std::map<uint32_t, int> frames;           // by viewer
+    std::map<uint32_t, std::set<int>> widths; // by viewer, of the second half
+    int pictures = 0;
+};
+Drawn drawClass(uint32_t followers, uint32_t others, double per_pixel, bool keeps_size) {
+    BatchPlanner planner;
+    BatchContents batch;
+    std::vector<std::shared_ptr<Viewer>> viewers;
+    for (uint32_t id = 1; id <= 1 + followers + others; ++id) viewers.push_back(viewerOf(id));
+    Drawn out;
+    Clock::time_point now = kStart;
+    const Clock::time_point end = kStart + std::chrono::seconds(20);
+    for (uint32_t seq = 1; now < end; ++seq) {
+        PoseRequest lead = poseOf(seq, 640, 360, float(seq));
+        lead.keeps_size = keeps_size;
+        for (const auto& viewer : viewers) {
+            PoseRequest own = poseOf(seq, 640, 360, float(seq) + 0.01f * float(viewer->id()));
+            own.keeps_size = keeps_size;
+            if (viewer->id() == 1)
+                viewer->setPose(lead);
+            else if (viewer->id() <= 1 + followers)
+                viewer->follow(1, lead, &own);
+            else
+                viewer->setPose(own);
+        }
+        now += std::chrono::milliseconds(17);
+        if (!planner.plan(viewers, seq, {.budget_ms = 16, .most_ms = 50, .ms_per_pixel = per_pixel}, now, batch))
+            continue;
+        std::set<uint32_t> pictures;
+        double took = 0;
+        for (BatchJob& job : batch.jobs) {
+            job.gpu_ms = float(pixelsOf(job.due.request) * per_pixel);
+            if (pictures.insert(job.pictures).second) took += double(job.gpu_ms);
+            ++out.frames[job.viewer->id()];
+            if (now > kStart + std::chrono::seconds(10)) out.widths[job.viewer->id()].insert(job.due.request.width);
+        }
+        out.pictures += int(pictures.size());
+        now += std::chrono::microseconds(int64_t(1e3 * took));
+        planner.took(batch, 0, 1, true);
+        deliver(batch, now);
+    }
+    return out;
+}
+
+// Those who follow cost one picture, and get it as large and as often as one viewer alone.
+TEST(BatchSizes, AClassThatFollowsCostsOnePicture) {
+    for (const bool keeps_size : {false, true}) {
+        SCOPED_TRACE(keeps_size);
+        constexpr double kPerPixel = 40.0 / (640 * 360);
+        const Drawn alone = drawClass(0, 0, kPerPixel, keeps_size), all = drawClass(19, 0, kPerPixel, keeps_size);
+        EXPECT_NEAR(all.pictures, alone.pictures, 0.1 * alone.pictures);
+        for (uint32_t id = 1; id <= 20; ++id) {
+            EXPECT_GE(all.frames.at(id), 0.9 * alone.frames.at(1)) << id;
+            EXPECT_EQ(all.widths.at(id), std::set{640}) << id;
+        }
+    }
+}
+
+// A class of twenty and five who look for themselves have the time of twenty-five.
+TEST(BatchSizes, WhoLooksForHimselfBesideAClassHasHisPart) {
+    constexpr double kPerPixel = 100.0 / (640 * 360);
+    const Drawn all = drawClass(19, 5, kPerPixel, true);
+    const double whole = 20'000 / 100.0; // pictures of one viewer alone, half of their size
+    double others = 0;
+    for (uint32_t id = 21; id <= 25; ++id) others += all.frames.at(id);
+    for (uint32_t id = 1; id <= 20; ++id) EXPECT_GT(all.frames.at(id), 0.6 * whole) << id;
+    EXPECT_GT(others, 5 * 0.6 * whole / 25);
 }
 
 // Sixteen of 640x360 that take 110 ms each, of whom half would rather have fewer pictures than smaller ones. One whose

@@ -44,7 +44,7 @@ public:
         ASSERT_TRUE(viewer.acknowledge(due->frame_id, now));
     }
     bool dueAfter(milliseconds time, Clock::duration last = kLast) {
-        return viewer.pollDue(kStart + time, ++scene_, false, INFINITY, last).has_value();
+        return viewer.pollDue(kStart + time, ++scene_, false, {}, last).has_value();
     }
 
     Viewer viewer{1, windowOf(4), nullptr};

@@ -285,7 +285,7 @@ TEST(Viewer, WhatRestsComesWholeHoweverBusyTheDeviceWas) {
         const uint16_t whole = most_pixels > 1e6 ? 640 : 320;
         for (const bool lossless : {false, true}) {
             now += kRestsFor;
-            const auto request = viewer.pollDue(now, 7, true, most_pixels);
+            const auto request = viewer.pollDue(now, 7, true, {.pixels = most_pixels});
             ASSERT_TRUE(request);
             EXPECT_EQ(request->width, whole);
             EXPECT_EQ(request->lossless, lossless);
