@@ -85,6 +85,7 @@ void serve(ParsedOptions& parsed, int argc, char** argv, const sigset_t& signals
     const std::optional<RecordingExtent> recording =
         replayed ? std::optional<RecordingExtent>(options.replay) : std::nullopt;
     Scene scene = replayed ? sceneOf(recording->head) : loadScene(options);
+    nameLog(*parsed.options, scene);
     const gpu::Device device(options.device);
     const CostModel costs = costsOf(options, device);
     if (options.explain) {

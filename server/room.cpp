@@ -42,13 +42,17 @@ std::string logName(std::string name) {
 // Null: this server is alone.
 std::unique_ptr<cluster::Node> nodeOf(const ServerOptions& options, const Scene& scene, Audience& audience) {
     if (options.cluster.engine.servers.empty()) return nullptr;
-    cluster::ClusterOptions cluster = options.cluster;
-    if (cluster.engine.log.empty()) cluster.engine.log = logName(scene.name);
-    return std::make_unique<cluster::Node>(cluster, scene, sceneText(findScene(options.scene, options.scene_dir)),
+    return std::make_unique<cluster::Node>(options.cluster, scene,
+                                           sceneText(findScene(options.scene, options.scene_dir)),
                                            sceneOverrides(options), options.frame.memory, audience);
 }
 
 } // namespace
+
+void nameLog(ServerOptions& options, const Scene& scene) {
+    std::string& log = options.cluster.engine.log;
+    if (log.empty()) log = logName(scene.name);
+}
 
 // Settings that are given for the scene at "/" may not suit another scene.
 ServerOptions optionsOfRoom(const ServerOptions& server, const std::string& name, const std::string& scene) {
@@ -60,8 +64,8 @@ ServerOptions optionsOfRoom(const ServerOptions& server, const std::string& name
         options.record.replace_filename(options.record.stem().string() + "-" + name +
                                         options.record.extension().string());
     cluster::ClusterOptions& cluster = options.cluster;
-    cluster.engine.log = cluster.engine.log.empty() ? "room-" + name : cluster.engine.log + "-" + name;
-    if (cluster.url.ends_with('/')) cluster.url += "r/" + name + "/";
+    cluster.engine.room = name;
+    cluster.url = net::roomUrl(cluster.url, name);
     return options;
 }
 

@@ -29,7 +29,11 @@ struct SharedByRooms {
     char** argv;
 };
 
-// The options of another room: those of the server, with this scene, and its own recording and log.
+// The log of the server's rooms has the name of the scene at "/" unless the options give one.
+void nameLog(ServerOptions& options, const Scene& scene);
+
+// The options of another room: those of the server, with this scene, and its own recording and log. Precondition:
+// nameLog() was called.
 ServerOptions optionsOfRoom(const ServerOptions& server, const std::string& name, const std::string& scene);
 
 class ServedRoom {

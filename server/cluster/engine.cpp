@@ -25,8 +25,14 @@ struct Engine::State {
     void read(const std::stop_token& stop);
     Subscription subscribe(uint64_t from) const;
     kvStore* values();
-    std::string stream() const { return "brume-" + options.log; }
-    std::string subject() const { return "brume." + options.log + ".log"; }
+    // No two pairs of log and room have the same: the log's length says where the room's name begins.
+    std::string stream() const {
+        return options.room.empty() ? "brume-" + options.log
+                                    : fmt::format("brume_{}_{}_{}", options.log.size(), options.log, options.room);
+    }
+    std::string subject() const {
+        return fmt::format("brume.{}{}{}.log", options.log, options.room.empty() ? "" : ".", options.room);
+    }
 
     EngineOptions options;
     std::function<void()> wake;
@@ -132,7 +138,7 @@ Engine::LogInfo Engine::open(const std::string& about) {
     throw ClusterError(
         fmt::format("--cluster {}: the log '{}' cannot be made: {}; nats-server needs JetStream (-js), room for "
                     "--cluster-log-size, and as many servers as --cluster-replicas",
-                    withoutSecrets(state_->options.servers), state_->options.log, said));
+                    withoutSecrets(state_->options.servers), nameOf(state_->options), said));
 }
 
 void Engine::forget() {

@@ -55,13 +55,13 @@ Node::Node(const ClusterOptions& options, const Scene& scene, const std::string&
         if (const std::string other = differenceOf(own, found.about); !other.empty())
             throw ClusterError(fmt::format("--cluster: the log '{}' is of {}; start this server as the others, or give "
                                            "another --cluster-name",
-                                           options.engine.log, other));
+                                           nameOf(options.engine), other));
         created_ = found.created;
         SavedState state = askedAgain([&] { return load(~0ull); });
         simulation.load(state.simulation); // here it fails before anybody is there
         beginWith(std::move(state));
         first_tick_ = judged_ = agreed_ = log_.tick();
-        spdlog::info("joined the log '{}' at tick {} as {}, on {}", options.engine.log, first_tick_, own_.name(),
+        spdlog::info("joined the log '{}' at tick {} as {}, on {}", nameOf(options.engine), first_tick_, own_.name(),
                      withoutSecrets(options.engine.servers));
     } catch (const EngineAway& error) {
         throw ClusterError(fmt::format("--cluster {}: no answer: {}; does nats-server run with JetStream (-js)?",
@@ -69,7 +69,7 @@ Node::Node(const ClusterOptions& options, const Scene& scene, const std::string&
     } catch (const StateError& error) {
         throw ClusterError(fmt::format("--cluster: the snapshot of '{}': {}; --cluster-anew begins a new log when no "
                                        "server runs",
-                                       options.engine.log, error.what()));
+                                       nameOf(options.engine), error.what()));
     }
 }
 
@@ -108,7 +108,7 @@ void Node::otherLog(const std::string& why) const {
     throw ClusterError(
         fmt::format("--cluster: the log '{}' cannot be followed: {}; --cluster-anew begins a new one when "
                     "no server runs",
-                    options_.engine.log, why));
+                    nameOf(options_.engine), why));
 }
 
 void Node::needRejoin(const std::string& why, uint64_t last_tick) {

@@ -13,9 +13,24 @@ bool isRoomName(std::string_view name) {
     });
 }
 
+// As clients read it: a last part without a dot is a folder whose slash was left out, unless it is a socket.
+std::string roomUrl(const std::string& url, std::string_view room) {
+    if (url.empty() || room.empty()) return url;
+    std::string folder = url.substr(0, url.find_first_of("?#"));
+    const std::string behind = url.substr(folder.size());
+    const size_t path = folder.find('/', folder.find("://") + 3);
+    if (path == folder.npos) folder += '/';
+    const bool socket = folder.starts_with("ws");
+    const std::string last = folder.substr(folder.rfind('/') + 1);
+    if (!socket && last != "ws" && !last.empty() && last.find('.') == last.npos)
+        folder += '/';
+    else
+        folder.resize(folder.size() - last.size());
+    return folder + "r/" + std::string(room) + (socket ? "/ws" : "/") + behind;
+}
+
 std::string Room::goTo(const std::string& given) const {
-    if (given.empty()) return elsewhere.url();
-    return name.empty() || !given.ends_with('/') ? given : given + "r/" + name + "/";
+    return given.empty() ? elsewhere.url() : roomUrl(given, name);
 }
 
 RoomPath roomPathOf(std::string_view path) {

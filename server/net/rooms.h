@@ -22,6 +22,10 @@ namespace brume::net {
 inline constexpr size_t kMostRoomName = 32; // letters, digits, '-' and '_'
 bool isRoomName(std::string_view name);
 
+// The URL of a room of the server at `url`, which is that of its page or socket, with or without a slash at its end.
+// `room`: empty for the one at "/".
+std::string roomUrl(const std::string& url, std::string_view room);
+
 // Where viewers go that a room does not keep. Thread-safe.
 class Elsewhere {
 public:
@@ -51,8 +55,8 @@ struct Room {
     Metrics& metrics;
     Elsewhere elsewhere{};
 
-    // Where viewers go when the server stops. `given`: the URL of a page that all are sent to, which other rooms are
-    // below; empty: elsewhere.url().
+    // Where viewers go when the server stops. `given`: the URL of a server that all are sent to, each to the same room;
+    // empty: elsewhere.url().
     std::string goTo(const std::string& given) const;
 };
 using RoomPtr = std::shared_ptr<Room>;

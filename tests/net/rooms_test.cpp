@@ -65,6 +65,25 @@ TEST(RoomPaths, NameARoomAndAPathInIt) {
     EXPECT_EQ(net::routeOf("/r/lab/r/lab/ws"), nullptr);
 }
 
+TEST(RoomPaths, OfAnotherServerAreMadeOfItsUrl) {
+    const auto is = [](const char* url, const char* room) { EXPECT_EQ(net::roomUrl(url, "lab"), room) << url; };
+    is("http://b.example", "http://b.example/r/lab/");
+    is("http://b.example/", "http://b.example/r/lab/");
+    is("https://b.example:8080", "https://b.example:8080/r/lab/");
+    is("http://[::1]:8080", "http://[::1]:8080/r/lab/");
+    is("https://b.example/clouds/brume", "https://b.example/clouds/brume/r/lab/");
+    is("https://b.example/clouds/brume/", "https://b.example/clouds/brume/r/lab/");
+    is("https://b.example/index.html", "https://b.example/r/lab/");
+    is("https://b.example/ws", "https://b.example/r/lab/");
+    is("https://b.example?token_url=/token", "https://b.example/r/lab/?token_url=/token");
+    is("https://b.example/a#at=1/2", "https://b.example/a/r/lab/#at=1/2");
+    is("ws://b.example", "ws://b.example/r/lab/ws");
+    is("ws://b.example/ws", "ws://b.example/r/lab/ws");
+    is("wss://b.example/clouds/ws", "wss://b.example/clouds/r/lab/ws");
+    is("", "");
+    EXPECT_EQ(net::roomUrl("http://b.example", ""), "http://b.example");
+}
+
 TEST_F(RoomsTest, EachHasItsOwnSceneAndPeople) {
     serveTwo();
     const auto home = watch();
