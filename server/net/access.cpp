@@ -37,7 +37,7 @@ std::string forbidden(Role role, Role least) {
 }
 
 std::variant<Authorization, Reply> authorize(std::string_view header, std::string_view query, Role least,
-                                             const NetOptions& options) {
+                                             const NetOptions& options, std::string_view room) {
     if (options.token_key.empty()) return Authorization{};
     const std::string token = tokenOf(header, query);
     if (token.empty()) return unauthorized("a token is needed: ask who runs this server for one");
@@ -45,6 +45,8 @@ std::variant<Authorization, Reply> authorize(std::string_view header, std::strin
     const auto read = readToken(token, options.token_key, std::chrono::floor<std::chrono::seconds>(now));
     if (const auto* fault = std::get_if<TokenFault>(&read)) return unauthorized(*fault);
     const auto& claims = std::get<Claims>(read);
+    if (!claims.room.empty() && claims.room != room)
+        return lineReply(403, fmt::format("this token is good in the room '{0}' alone: below /r/{0}/", claims.room));
     if (!atLeast(claims.role, least)) return lineReply(403, forbidden(claims.role, least));
     const auto left = claims.expires + kClockSkew - now;
     return Authorization{claims.role, Clock::now() + std::chrono::duration_cast<Clock::duration>(left), claims.name};

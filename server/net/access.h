@@ -26,9 +26,9 @@ inline std::string ownerOf(const Authorization& authorization, const std::string
 
 // Reads the token in the header `Authorization: Bearer ...` or, without one, the `token` of the query. Without a token
 // key everyone is operator. A refusal is HTTP 401 and one line if there is no good token, 403 if its role is below
-// `least`.
+// `least` or it is good for another room alone. `room`: that is asked for; empty: the one at "/", or the server.
 std::variant<Authorization, Reply> authorize(std::string_view header, std::string_view query, Role least,
-                                             const NetOptions& options);
+                                             const NetOptions& options, std::string_view room = {});
 
 // "role viewer may not do that: it takes controller"
 std::string forbidden(Role role, Role least);

@@ -202,7 +202,7 @@ asio::awaitable<bool> HttpConnection::answer(RequestParser& parser) {
     }
     if (least) {
         const auto bearer = request[http::field::authorization];
-        auto checked = authorize({bearer.data(), bearer.size()}, query, *least, context_->options);
+        auto checked = authorize({bearer.data(), bearer.size()}, query, *least, context_->options, in.room);
         if (auto* refusal = std::get_if<Reply>(&checked)) {
             context_->metrics.refused(refusal->status == 401 ? "token" : "forbidden");
             return send(request, "refused", std::move(*refusal));

@@ -9,6 +9,8 @@
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
 
+#include "server/net/rooms.h"
+
 namespace brume::net {
 namespace {
 
@@ -99,6 +101,9 @@ std::optional<Claims> readClaims(std::string_view payload) {
         } else if (key == "name" && value.is_string()) {
             claims.name = value.get<std::string>();
             if (claims.name.size() > kMostTokenName || !printable(claims.name)) return {};
+        } else if (key == "room" && value.is_string()) {
+            claims.room = value.get<std::string>();
+            if (!isRoomName(claims.room)) return {};
         } else {
             return {};
         }
@@ -125,6 +130,7 @@ std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_v
 std::string makeToken(const Claims& claims, std::string_view key) {
     Json json{{"exp", claims.expires.time_since_epoch().count()}, {"role", nameOf(claims.role)}};
     if (!claims.name.empty()) json["name"] = claims.name;
+    if (!claims.room.empty()) json["room"] = claims.room;
     const std::string text = json.dump();
     const std::string payload = base64Url(reinterpret_cast<const unsigned char*>(text.data()), text.size());
     return payload + "." + signatureOf(payload, key);

@@ -3,7 +3,8 @@
 //   base64url({"exp":1767225600,"name":"ann","role":"viewer"}) "." base64url(HMAC-SHA256(key, all that is before the
 //   dot))
 //
-// base64url of RFC 4648, without padding. `exp`: seconds since 1970, UTC; `name`, for the log, may be missing.
+// base64url of RFC 4648, without padding. `exp`: seconds since 1970, UTC. `name`, for the log, may be missing, and
+// `room`, whose token is good in that room alone (rooms.h).
 #pragma once
 
 #include <chrono>
@@ -26,8 +27,9 @@ inline constexpr std::chrono::seconds kClockSkew{30}; // allowed difference betw
 
 struct Claims {
     Role role = Role::viewer;
-    Seconds expires;  // the token is refused from kClockSkew after this
-    std::string name; // printable ASCII, for the log
+    Seconds expires;    // the token is refused from kClockSkew after this
+    std::string name{}; // printable ASCII, for the log
+    std::string room{}; // the one that it is good for; empty: all, and the server
 };
 
 // Why a token is refused: one line.
@@ -41,7 +43,7 @@ std::optional<Claims> readClaims(std::string_view payload);
 // this order. Any text may be given. The time it takes does not depend on how much of the signature is right.
 std::variant<Claims, TokenFault> readToken(std::string_view token, std::string_view key, Seconds now);
 
-// Precondition: the name has at most kMostTokenName printable ASCII characters.
+// Precondition: the name has at most kMostTokenName printable ASCII characters; the room is empty or isRoomName().
 std::string makeToken(const Claims& claims, std::string_view key);
 
 // "viewer", "pusher", "controller", "presenter", "operator".

@@ -26,8 +26,8 @@ std::string checkViewerUrl(const std::string& url);
 
 // --make-token, and what belongs to it.
 struct TokenRequest {
-    std::string role; // empty: no token is wanted
-    std::string name;
+    std::string role;       // empty: no token is wanted
+    std::string name, room; // empty: none
     uint32_t valid_s = 3600;
 };
 void addTokenOptions(OptionTable& table, TokenRequest& request);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocol/net/address.h"
+#include "server/net/rooms.h"
 #include "server/net/token.h"
 #include "server/net/token_key.h"
 #include "server/options/groups.h"
@@ -15,6 +16,12 @@ namespace {
 std::string checkName(const std::string& name) {
     const bool printable = std::all_of(name.begin(), name.end(), [](char c) { return c >= ' ' && c <= '~'; });
     return printable && name.size() <= net::kMostTokenName ? "" : "allowed: 64 printable ASCII characters";
+}
+
+std::string checkTokenRoom(const std::string& name) {
+    return net::isRoomName(name)
+               ? ""
+               : fmt::format("allowed: a room's name, 1 to {} letters, digits, '-' and '_'", net::kMostRoomName);
 }
 
 } // namespace
@@ -62,12 +69,20 @@ void addTokenOptions(OptionTable& table, TokenRequest& request) {
         .range(1u, uint32_t(net::kLongestToken.count()))
         .unit("SECONDS");
     g.option("--token-name", request.name, "whose that token is, for the log").flagOnly().needs(make).check(checkName);
+    g.option("--token-room", request.room, "the room that it is good in, and nowhere else; without it in all")
+        .flagOnly()
+        .needs(make)
+        .check(checkTokenRoom)
+        .unit("NAME");
 }
 
 std::string makeToken(const TokenRequest& request, const std::string& key) {
     if (key.empty()) throw std::runtime_error("--make-token needs --token-key FILE, the server's");
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-    return net::makeToken({*net::roleNamed(request.role), now + std::chrono::seconds(request.valid_s), request.name},
+    return net::makeToken({.role = *net::roleNamed(request.role),
+                           .expires = now + std::chrono::seconds(request.valid_s),
+                           .name = request.name,
+                           .room = request.room},
                           key);
 }
 

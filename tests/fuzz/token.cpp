@@ -1,6 +1,7 @@
 #include "server/net/token.h"
 
 #include "server/net/access.h"
+#include "server/net/rooms.h"
 #include "tests/fuzz/promise.h"
 
 namespace brume::fuzz {
@@ -29,11 +30,13 @@ void token(Bytes input) {
         promise(claims->expires.time_since_epoch().count() >= 0, "a time after 1970");
         promise(claims->name.size() <= net::kMostTokenName, "a name is short");
         if (!claims->name.empty()) promiseOneLine(claims->name, net::kMostTokenName);
+        promise(claims->room.empty() || net::isRoomName(claims->room), "a room has a room's name");
         const std::string made = net::makeToken(*claims, key);
         const auto again = net::readToken(made, key, claims->expires);
         const auto* same = std::get_if<net::Claims>(&again);
         promise(made.size() <= net::kMostTokenBytes, "what is made can be read", made);
-        promise(same && same->role == claims->role && same->expires == claims->expires && same->name == claims->name,
+        promise(same && same->role == claims->role && same->expires == claims->expires && same->name == claims->name &&
+                    same->room == claims->room,
                 "what is made says the same", made);
     }
 

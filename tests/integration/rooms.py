@@ -2,6 +2,7 @@
 """Rooms of the real server: rooms.py SERVER PACKAGE."""
 import json
 import os
+import subprocess
 import tempfile
 import time
 import unittest
@@ -18,12 +19,19 @@ def eventually(condition):
         time.sleep(0.05)
 
 
-def post(url):
+def ask(url, method, token=None):
+    headers = {'Authorization': f'Bearer {token}'} if token else {}
+    data = b'' if method == 'POST' else None
     try:
-        with urllib.request.urlopen(urllib.request.Request(url, data=b'', method='POST'), timeout=COLD) as answer:
+        request = urllib.request.Request(url, data=data, method=method, headers=headers)
+        with urllib.request.urlopen(request, timeout=COLD) as answer:
             return answer.status, answer.read().decode()
     except urllib.error.HTTPError as answer:
         return answer.code, answer.read().decode()
+
+
+def post(url, token=None):
+    return ask(url, 'POST', token)
 
 
 def rooms(server):
@@ -90,7 +98,6 @@ class Rooms(Serving):
         self.assertLess(first, ticks, 'no time has passed for it')
 
     def test_what_is_wrong_with_rooms_is_said_at_the_start(self):
-        import subprocess
         for options, said in (
                 (['--room', 'lab=none'], 'none'),
                 (['--room', 'a/b=cloud'], 'allowed: NAME=SCENE'),
@@ -110,6 +117,40 @@ class Rooms(Serving):
         eventually(lambda: lab.people.people and home.people.people)
         self.assertEqual([one.name for one in home.people.people], ['Ann'])
         self.assertEqual([one.name for one in lab.people.people], ['Bob'])
+
+
+    def test_a_token_may_be_of_one_room_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            key = f'{folder}/key'
+            with open(os.open(key, os.O_WRONLY | os.O_CREAT, 0o600), 'wb') as file:
+                file.write(os.urandom(32))
+
+            def make(role, *more):
+                return subprocess.run([program, '--token-key', key, '--make-token', role, *more], text=True,
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+            server = self.serve('--room', 'lab=cloud', '--room', 'den=cloud', '--token-key', key)
+            chief, guest = (make(role, '--token-room', 'lab').stdout.strip() for role in ('operator', 'viewer'))
+            alone = "this token is good in the room 'lab' alone: below /r/lab/"
+            for page in (server.url, f'{server.url}/r/den/'):
+                with self.assertRaisesRegex(brume.BrumeError, alone):
+                    brume.connect(page, token=guest, timeout=COLD)
+            with brume.connect(f'{server.url}/r/lab/', token=guest, size=(96, 64), timeout=COLD) as view:
+                view.frame()
+            with brume.connect(f'{server.url}/r/lab/', token=chief, size=(96, 64), timeout=COLD) as view:
+                view.pause()
+            for path in ('metrics', 'viewers', 'rooms', 'scene.toml', 'snapshot.jpg', 'r/den/snapshot.jpg'):
+                self.assertEqual(ask(f'{server.url}/{path}', 'GET', chief), (403, alone + '\n'), path)
+            for path in ('rooms/open?name=mine&scene=cloud', 'rooms/close?name=lab', 'rooms/close?name=den', 'pause'):
+                self.assertEqual(post(f'{server.url}/{path}', chief), (403, alone + '\n'), path)
+            self.assertEqual(ask(f'{server.url}/r/lab/metrics', 'GET', chief)[0], 200)
+            self.assertEqual(ask(f'{server.url}/r/lab/metrics', 'GET', guest)[0], 403)
+            self.assertEqual(ask(f'{server.url}/r/den/scene.toml', 'GET', make('viewer').stdout.strip())[0], 200)
+            for wrong in ('', 'a/b', 'z' * 33):
+                refused = make('viewer', '--token-room', wrong)
+                self.assertIn("allowed: a room's name", refused.stderr)
+                self.assertEqual(refused.returncode, 2)
+            self.assertEqual(make('viewer', '--token-room', 'z' * 32).returncode, 0)
 
 
 if __name__ == '__main__':

@@ -2,6 +2,7 @@
 #include "server/net/rooms.h"
 
 #include "server/net/routes.h"
+#include "server/net/token.h"
 #include "tests/net/session_fixture.h"
 
 namespace brume::test {
@@ -179,6 +180,64 @@ TEST_F(RoomsTest, WhoIsInARoomThatIsRemovedKeepsItUntilItLeaves) {
     EXPECT_EQ(get(port, "/r/lab/healthz").status, 404);
     lab.reset();
     EXPECT_TRUE(eventually([&] { return room.expired(); }));
+}
+
+struct RoomTokensTest : RoomsTest {
+    RoomTokensTest() { options.token_key = std::string(net::kLeastKeyBytes, 'k'); }
+    std::string bearer(const char* room) const {
+        const auto soon = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) + 60s;
+        return "Authorization: Bearer " + net::makeToken({net::Role::operator_, soon, "ann", room}, options.token_key) +
+               "\r\n";
+    }
+    std::unique_ptr<WsClient> come(const char* path, const char* room) const {
+        return std::make_unique<WsClient>(server->port(), 0, "Sec-WebSocket-Protocol: brume.v1\r\n" + bearer(room), "",
+                                          path);
+    }
+};
+
+TEST_F(RoomTokensTest, OpenWhatIsBelowTheRoomAndNothingElse) {
+    const uint16_t port = serveTwo();
+    for (const net::Route& route : net::allRoutes()) {
+        if (!route.least) continue;
+        const std::string path(route.path), in_room = "/r/lab" + path;
+        const char* const method = route.takes("POST") ? "POST" : "GET";
+        const HttpAnswer at_root = get(port, path, bearer("lab"), method);
+        EXPECT_EQ(at_root.status, 403) << path;
+        EXPECT_EQ(at_root.body, "this token is good in the room 'lab' alone: below /r/lab/\n") << path;
+        if (route.of_server) continue;
+        EXPECT_EQ(get(port, in_room, bearer("den"), method).status, 403) << in_room;
+        if (path == "/stream.mjpg") continue; // a good one never ends
+        for (const char* good : {"lab", ""}) {
+            const int status = get(port, in_room, bearer(good), method).status;
+            EXPECT_TRUE(status != 401 && status != 403) << in_room << " with a token of '" << good << "': " << status;
+        }
+    }
+    EXPECT_EQ(get(port, "/r/lab/metrics", bearer("lab")).status, 200);
+    EXPECT_EQ(get(port, "/r/lab/viewers", bearer("lab")).status, 200);
+    EXPECT_EQ(get(port, "/rooms", bearer("")).status, 200);
+}
+
+// A session goes on with a newer token of its room, and of no other.
+TEST_F(RoomTokensTest, OfAnotherRoomContinuesNoSession) {
+    serveTwo();
+    std::string key;
+    {
+        const auto lost = come("/r/lab/ws", "lab");
+        ASSERT_EQ(lost->handshake.status, 101) << lost->handshake.body;
+        lost->hello();
+        const auto welcome = lost->next<wire::Welcome>();
+        ASSERT_TRUE(welcome);
+        key = welcome->parsed->as<wire::Welcome>()->resume()->str();
+    }
+    ASSERT_TRUE(eventually([&] { return lab_audience->size() == 0; }));
+    EXPECT_EQ(come("/r/lab/ws", "den")->handshake.status, 403);
+    EXPECT_EQ(come("/ws", "lab")->handshake.status, 403);
+    const auto back = come("/r/lab/ws", "lab");
+    ASSERT_EQ(back->handshake.status, 101);
+    back->say([&](auto& b) { return wire::CreateHelloDirect(b, "test client", 640, 360, 1, 80, key.c_str()); });
+    const auto welcome = back->next<wire::Welcome>();
+    ASSERT_TRUE(welcome);
+    EXPECT_TRUE(welcome->parsed->as<wire::Welcome>()->resumed());
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 
 #include "server/net/access.h"
 #include "server/net/rate.h"
+#include "server/net/rooms.h"
 #include "server/net/token.h"
 
 namespace brume::net {
@@ -34,6 +35,17 @@ TEST(Token, SaysWhoMayDoWhatUntilWhen) {
     }
     EXPECT_EQ(roleNamed("operator"), Role::operator_);
     EXPECT_EQ(roleNamed("root"), std::nullopt);
+}
+
+TEST(Token, MayBeOfOneRoomAlone) {
+    for (const std::string& room : {std::string(), std::string("lab"), std::string(kMostRoomName, 'z')}) {
+        const auto read = readToken(makeToken({Role::viewer, kNow + 1h, "ann", room}, kKey), kKey, kNow);
+        ASSERT_TRUE(std::holds_alternative<Claims>(read)) << std::get<TokenFault>(read);
+        EXPECT_EQ(std::get<Claims>(read).room, room);
+    }
+    EXPECT_NE(faultOf(makeToken({Role::viewer, kNow + 1h, "", std::string(kMostRoomName + 1, 'z')}, kKey)), "");
+    for (const char* room : {"a/b", "..", " ", "z\xc3\xb6", "lab\n"})
+        EXPECT_NE(faultOf(makeToken({Role::viewer, kNow + 1h, "", room}, kKey)), "") << room;
 }
 
 // The form is public: made by the coreutils and openssl from {"exp":1800003600,"role":"viewer"} and 32 times k.
@@ -91,13 +103,17 @@ TEST(Token, ContentIsExactlyWhatIsDocumented) {
             "eyJleHAiOjEsInJvbGUiOjN9",                                   // {"exp":1,"role":3}
             "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJhIjoxfQ",                 // {"exp":1,"role":"viewer","a":1}
             "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJuYW1lIjoiXG4ifQ",         // {"exp":1,"role":"viewer","name":"\n"}
+            "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJyb29tIjoiIn0",            // {"exp":1,"role":"viewer","room":""}
+            "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJyb29tIjoxfQ",             // {"exp":1,"role":"viewer","room":1}
+            "eyJleHAiOjEsInJvbGUiOiJ2aWV3ZXIiLCJyb29tIjpudWxsfQ",         // {"exp":1,"role":"viewer","room":null}
         })
         EXPECT_FALSE(readClaims(payload)) << payload;
 }
 
 TEST(Token, OverItsLengthIsNotEvenSigned) {
     EXPECT_EQ(faultOf(std::string(kMostTokenBytes + 1, 'a')), "the token is over 512 bytes");
-    EXPECT_LE(makeToken({Role::controller, kNow, std::string(kMostTokenName, '"')}, kKey).size(), kMostTokenBytes);
+    const std::string name(kMostTokenName, '"'), room(kMostRoomName, 'z');
+    EXPECT_LE(makeToken({Role::controller, kNow, name, room}, kKey).size(), kMostTokenBytes);
 }
 
 TEST(Access, ComesWithTheHeaderOrTheQueryAndOneLineSaysWhatIsMissing) {
@@ -125,6 +141,24 @@ TEST(Access, ComesWithTheHeaderOrTheQueryAndOneLineSaysWhatIsMissing) {
     EXPECT_EQ(status("Bearer x", "token=" + token), 401u) << "the header goes first";
     const auto until = *std::get<Authorization>(authorize("Bearer " + token, "", Role::viewer, options)).until;
     EXPECT_NEAR(std::chrono::duration<double>(until - Clock::now()).count(), 60 + kClockSkew.count(), 2);
+}
+
+TEST(Access, ATokenOfARoomIsGoodThereAloneWhateverItsRole) {
+    NetOptions options;
+    options.token_key = kKey;
+    const auto soon = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()) + 60s;
+    const auto answer = [&](Role role, const char* of, Role least, const char* in) {
+        const auto checked = authorize("Bearer " + makeToken({role, soon, "ann", of}, kKey), "", least, options, in);
+        const auto* refusal = std::get_if<Reply>(&checked);
+        return refusal ? std::to_string(refusal->status) + " " + refusal->body : "";
+    };
+    EXPECT_EQ(answer(Role::viewer, "lab", Role::viewer, "lab"), "");
+    EXPECT_EQ(answer(Role::operator_, "lab", Role::operator_, "lab"), "");
+    EXPECT_EQ(answer(Role::viewer, "lab", Role::operator_, "lab").substr(0, 3), "403");
+    const std::string elsewhere = "403 this token is good in the room 'lab' alone: below /r/lab/\n";
+    for (const char* in : {"", "den", "la", "labs", "LAB"})
+        EXPECT_EQ(answer(Role::operator_, "lab", Role::viewer, in), elsewhere) << in;
+    for (const char* in : {"", "den", "lab"}) EXPECT_EQ(answer(Role::viewer, "", Role::viewer, in), "") << in;
 }
 
 TEST(Rate, ABucketIsFullAgainAfterItsBurst) {
