@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Rooms of the real server: rooms.py SERVER PACKAGE."""
+import concurrent.futures
 import json
 import os
 import subprocess
@@ -37,6 +38,23 @@ def post(url, token=None):
 def rooms(server):
     with urllib.request.urlopen(f'{server.url}/rooms') as answer:
         return {room['name']: room for room in json.load(answer)['rooms']}
+
+
+SCENES = os.path.join(os.path.dirname(__file__), '../../server/scenes')
+SOON = PATIENCE / 5  # s; it takes longer to load the slow scene three times, however slow the machine is
+
+
+def write_slow_scene(folder, count=120_000):
+    """slow.toml, of so many tetrahedra: it takes seconds to load, and shaders are compiled after that."""
+    corners = ''.join(f'{i % 1000 * 3 + (k == 3)} {int(k == 1)} {i // 1000 * 3 + (k == 2)} 1\n'
+                      for i in range(count) for k in range(4))
+    cells = ''.join(f'4 {4 * i} {4 * i + 1} {4 * i + 2} {4 * i + 3}\n' for i in range(count))
+    with open(f'{folder}/slow.ply', 'w') as file:
+        file.write(f'ply\nformat ascii 1.0\nelement vertex {4 * count}\nproperty float x\nproperty float y\n'
+                   f'property float z\nproperty float sigma_t\nelement tetrahedron {count}\n'
+                   f'property list uchar int vertex_indices\nend_header\n{corners}{cells}')
+    with open(f'{folder}/slow.toml', 'w') as file:
+        file.write('[medium]\nmodel = "tetrahedra"\nlayout = "file"\nfile = "slow.ply"\n')
 
 
 class Rooms(Serving):
@@ -151,6 +169,37 @@ class Rooms(Serving):
                 self.assertIn("allowed: a room's name", refused.stderr)
                 self.assertEqual(refused.returncode, 2)
             self.assertEqual(make('viewer', '--token-room', 'z' * 32).returncode, 0)
+
+
+    def test_a_stop_does_not_wait_for_rooms_that_are_being_opened(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write_slow_scene(folder)
+            server = self.serve('--scene', os.path.join(SCENES, 'cloud.toml'), '--scene-dir', folder)
+
+            def answer(name):
+                try:
+                    return post(f'{server.url}/rooms/open?name={name}&scene=slow')
+                except OSError:  # the connection was closed
+                    return None
+
+            def being_opened():  # who answers is at work: this is answered at once else
+                try:
+                    request = urllib.request.Request(f'{server.url}/rooms/close?name=none', data=b'', method='POST')
+                    urllib.request.urlopen(request, timeout=0.5)
+                except urllib.error.HTTPError:
+                    return False
+                except TimeoutError:
+                    return True
+
+            with concurrent.futures.ThreadPoolExecutor() as pool:
+                answers = [pool.submit(answer, name) for name in ('one', 'two', 'three')]
+                eventually(being_opened)
+                self.assertFalse(any(one.done() for one in answers), 'they take longer than to notice')
+                asked = time.monotonic()
+                self.assertEqual(server.stop(), 0)
+                self.assertLess(time.monotonic() - asked, SOON)
+                for one in answers:
+                    self.assertIn(one.result(), (None, (503, 'the server stops\n')))
 
 
 if __name__ == '__main__':
