@@ -111,7 +111,7 @@ std::string RoomKeeper::open(const std::string& name, const std::string& scene) 
     if (std::ranges::find(scenes, scene) == scenes.end()) // operators name scenes, not files of this machine
         return fmt::format("no scene '{}'; there are: {}", scene, fmt::join(scenes, ", "));
     try {
-        add(name, load(name, scene));
+        add(name, load(name, std::filesystem::absolute(fileOfScene(options_, scene)).string()));
         return {};
     } catch (const std::exception& error) {
         spdlog::error("room '{}' is not opened: {}", name, lastLine(error));

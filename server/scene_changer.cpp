@@ -69,6 +69,14 @@ std::vector<std::string> otherScenes(const ServerOptions& options) {
     return names;
 }
 
+fs::path fileOfScene(const ServerOptions& options, const std::string& name) {
+    const std::vector<std::string> kept = sceneNames(options.cloud_dir);
+    const bool uploaded = std::ranges::find(kept, name) != kept.end();
+    const fs::path file = (uploaded ? options.cloud_dir : options.scene_dir) / (name + ".toml");
+    std::error_code error;
+    return fs::exists(file, error) ? file : findScene(options.scene, options.scene_dir); // the scene of the start
+}
+
 SceneChanger::SceneChanger(const ServerOptions& options, const Scene& scene, const Server& server)
     : options_(options), server_(server),
       shown_(std::make_unique<Files>(filesOf(findScene(options.scene, options.scene_dir), sceneOverrides(options)))),
@@ -96,12 +104,7 @@ SceneAnswer SceneChanger::change(const SceneWish& wish) {
             return {.complaint = fmt::format("no scene of that name; there are: {}", fmt::join(names, ", ")),
                     .notes = {}};
         const Preparing preparing(server_.audience, wish.name); // once it is known to be a scene
-        const std::vector<std::string> kept = sceneNames(options_.cloud_dir);
-        const bool uploaded = std::find(kept.begin(), kept.end(), wish.name) != kept.end();
-        fs::path file = (uploaded ? options_.cloud_dir : options_.scene_dir) / (wish.name + ".toml");
-        std::error_code error;
-        if (!fs::exists(file, error)) file = findScene(options_.scene, options_.scene_dir); // the scene of the start
-        return show(filesOf(file, rendererOverrides(options_)));
+        return show(filesOf(fileOfScene(options_, wish.name), rendererOverrides(options_)));
     } catch (const std::exception&) {
         const std::string reason = why(std::current_exception());
         spdlog::error("the scene stays: {}", reason);

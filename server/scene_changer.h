@@ -17,6 +17,8 @@ RecordingHead recordingHead(const std::filesystem::path& file, const Scene& scen
 // Names of the scenes that an operator can switch to: those of the scenes' folder, of uploaded clouds, and the one that
 // the server was started with.
 std::vector<std::string> otherScenes(const ServerOptions& options);
+// The file of one of them.
+std::filesystem::path fileOfScene(const ServerOptions& options, const std::string& name);
 
 class SceneChanger {
 public:

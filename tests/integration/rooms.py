@@ -3,6 +3,7 @@
 import concurrent.futures
 import json
 import os
+import shutil
 import subprocess
 import tempfile
 import time
@@ -20,9 +21,8 @@ def eventually(condition):
         time.sleep(0.05)
 
 
-def ask(url, method, token=None):
+def ask(url, method, token=None, data=None):
     headers = {'Authorization': f'Bearer {token}'} if token else {}
-    data = b'' if method == 'POST' else None
     try:
         request = urllib.request.Request(url, data=data, method=method, headers=headers)
         with urllib.request.urlopen(request, timeout=COLD) as answer:
@@ -31,8 +31,8 @@ def ask(url, method, token=None):
         return answer.code, answer.read().decode()
 
 
-def post(url, token=None):
-    return ask(url, 'POST', token)
+def post(url, token=None, data=b''):
+    return ask(url, 'POST', token, data)
 
 
 def rooms(server):
@@ -101,6 +101,20 @@ class Rooms(Serving):
         self.assertEqual(post(f'{server.url}/rooms/close?name=one')[0], 422)
         self.assertEqual(post(f'{server.url}/rooms/open?name=two&scene=tubes')[0], 201)  # its place is free again
         self.assertEqual(server.stop(), 0)
+
+    def test_a_room_may_show_an_uploaded_cloud_or_the_scene_of_the_start(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copy(os.path.join(SCENES, 'tubes.toml'), f'{folder}/own.toml')
+            server = self.serve('--cloud-dir', f'{folder}/clouds', '--scene', f'{folder}/own.toml')
+            self.assertEqual(post(f'{server.url}/rooms/open?name=start&scene=own')[0], 201)
+            points = b'ply\nformat ascii 1.0\nelement vertex 1\n' + b''.join(
+                f'property float {axis}\n'.encode() for axis in 'xyz') + b'end_header\n2 0 0\n'
+            self.assertEqual(post(f'{server.url}/cloud?name=mine', data=points)[0], 200)
+            self.assertEqual(post(f'{server.url}/rooms/open?name=cloud&scene=mine')[0], 201)
+            self.assertEqual({name: room['scene'] for name, room in rooms(server).items()},
+                             {'': 'mine', 'start': 'tubes', 'cloud': 'mine'})
+            self.look(f'{server.url}/r/cloud/').frame()
+            self.assertEqual(post(f'{server.url}/rooms/open?name=wrong&scene=own.toml')[0], 422)
 
     def test_rooms_sleep_that_nobody_looks_at(self):
         server = self.serve('--room', 'lab=cloud', '--idle-rooms', 'sleep')
