@@ -381,9 +381,15 @@ std::vector<pm::MetricFamily> Metrics::Families::of(const Audience& audience) co
 }
 
 std::string Metrics::text(const Audience& audience, std::span<const OfRoom> rooms) const {
-    auto all = families_->of(audience);
+    const auto allOf = [](const Metrics& of, const Audience& people) {
+        auto all = of.families_->of(people);
+        for (const Sample& sample : of.samples_ ? of.samples_() : std::vector<Sample>())
+            all.push_back(sample.counter ? counter(sample) : gauge(sample.name, sample.help, sample.value));
+        return all;
+    };
+    auto all = allOf(*this, audience);
     for (const OfRoom& room : rooms)
-        for (pm::MetricFamily& family : room.metrics.families_->of(room.audience)) {
+        for (pm::MetricFamily& family : allOf(room.metrics, room.audience)) {
             for (pm::ClientMetric& metric : family.metric) metric.label.push_back({"room", room.name});
             const auto same = std::ranges::find(all, family.name, &pm::MetricFamily::name);
             if (same == all.end())
@@ -391,8 +397,6 @@ std::string Metrics::text(const Audience& audience, std::span<const OfRoom> room
             else
                 same->metric.insert(same->metric.end(), family.metric.begin(), family.metric.end());
         }
-    for (const Sample& sample : samples_ ? samples_() : std::vector<Sample>())
-        all.push_back(sample.counter ? counter(sample) : gauge(sample.name, sample.help, sample.value));
     all.push_back(buildInfo());
     all.push_back(processCpu());
     all.push_back(processMemory());

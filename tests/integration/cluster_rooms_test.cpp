@@ -14,6 +14,7 @@
 namespace brume::test::cluster_rooms {
 namespace {
 
+const client::Wishes kTiny{.width = 64, .height = 36, .views = 1, .quality = 80};
 const std::vector<std::string> kLab{"--room", "lab=tubes", "--cluster-snapshot", "1"};
 
 uint16_t freePort() {
@@ -42,7 +43,7 @@ HttpReply post(uint16_t port, const std::string& target) {
 
 // Where a viewer is sent that finds no place.
 std::string turnedAway(const client::Endpoint& room) {
-    client::Session outside(room, kSmall, kPatience);
+    client::Session outside(room, kTiny, kPatience);
     while (!outside.closed() && outside.next(kPatience)) {
     }
     return outside.goTo();
@@ -59,7 +60,8 @@ protected:
 
 TEST_F(ClusterRooms, ARoomIsOneOverAllServersAndApartFromTheOthers) {
     RunningServer first(with({})), second(with({}));
-    Watcher home_a(first.endpoint()), home_b(second.endpoint()), lab_a(labOf(first)), lab_b(labOf(second));
+    Watcher home_a(first.endpoint(), kTiny), home_b(second.endpoint(), kTiny), lab_a(labOf(first), kTiny),
+        lab_b(labOf(second), kTiny);
     const std::vector<Watcher*> all{&home_a, &home_b, &lab_a, &lab_b};
     for (Watcher* one : all) one->look(kFromFront);
     setExposure(lab_a, 2.5f);
@@ -74,6 +76,7 @@ TEST_F(ClusterRooms, ARoomIsOneOverAllServersAndApartFromTheOthers) {
     EXPECT_FALSE(firstDifference(lab_a, lab_b));
     EXPECT_TRUE(firstDifference(home_a, lab_a) || commonHashes(home_a, lab_a) == 0) << "they are two clouds";
     EXPECT_EQ(count(first, "commands_total"), 1) << "of the scene at / alone";
+    EXPECT_EQ(count(first, "commands_total{room=\"lab\"}"), 2);
 
     const HttpReply refused = post(first.port(), "/rooms/open?name=more&scene=cloud");
     EXPECT_EQ(refused.status, 422);
@@ -82,7 +85,7 @@ TEST_F(ClusterRooms, ARoomIsOneOverAllServersAndApartFromTheOthers) {
 
     // Who joins later has what was done in each room.
     RunningServer third(with({}));
-    Watcher home_c(third.endpoint()), lab_c(labOf(third));
+    Watcher home_c(third.endpoint(), kTiny), lab_c(labOf(third), kTiny);
     home_c.look(kFromFront);
     lab_c.look(kFromFront);
     ASSERT_TRUE(watch({&home_a, &lab_a, &home_c, &lab_c}, [&] {
@@ -97,7 +100,7 @@ TEST_F(ClusterRooms, ViewersAreSentToTheSameRoom) {
     const std::string port = std::to_string(freePort()), url = "http://127.0.0.1:" + port; // without / at its end
     RunningServer other(with({"--port", port, "--cluster-url", url}));
     RunningServer full(with({"--max-viewers", "1", "--cluster-hosts", "127.0.0.1"}));
-    Watcher home(full.endpoint()), lab(labOf(full));
+    Watcher home(full.endpoint(), kTiny), lab(labOf(full), kTiny);
     ASSERT_TRUE(watch({&home, &lab}, [&] { return home.state_tick > 120 && lab.state_tick > 120; }));
     EXPECT_EQ(turnedAway(full.endpoint()), url);
     EXPECT_EQ(turnedAway(labOf(full)), url + "/r/lab/");
@@ -107,14 +110,14 @@ TEST_F(ClusterRooms, ViewersAreSentToTheSameRoom) {
     EXPECT_EQ(*lab.go_to, url + "/r/lab/");
     const auto there = client::parseGoTo(*lab.go_to);
     ASSERT_TRUE(there);
-    Watcher moved(*there);
+    Watcher moved(*there, kTiny);
     EXPECT_TRUE(watch({&moved}, [&] { return moved.state_tick > 120; })) << "the room's ticks, where they were";
 }
 
 TEST_F(ClusterRooms, GoOnWhenTheLogIsBack) {
     BRUME_WHOLE_LAYER_ONLY();
     RunningServer first(with({})), second(with({}));
-    Watcher home(first.endpoint()), lab_a(labOf(first)), lab_b(labOf(second));
+    Watcher home(first.endpoint(), kTiny), lab_a(labOf(first), kTiny), lab_b(labOf(second), kTiny);
     const std::vector<Watcher*> all{&home, &lab_a, &lab_b};
     for (Watcher* one : all) one->look(kFromFront);
     ASSERT_TRUE(watch(all, [&] { return commonHashes(lab_a, lab_b) > 3; }));
@@ -156,7 +159,7 @@ TEST_F(ClusterRooms, ServersOfOtherRoomsAreToldApartInOneLine) {
     // One without the room is one of the servers, and no viewer of the room is sent there.
     const std::string port = std::to_string(freePort()), url = "http://127.0.0.1:" + port;
     RunningServer without(inCluster(nats, {"--port", port, "--cluster-url", url}));
-    Watcher home(first.endpoint()), lab(labOf(first));
+    Watcher home(first.endpoint(), kTiny), lab(labOf(first), kTiny);
     ASSERT_TRUE(watch({&home, &lab}, [&] { return home.state_tick > 120 && lab.state_tick > 120; }));
     ASSERT_TRUE(waitFor(first, "nodes", 2));
     EXPECT_EQ(turnedAway(first.endpoint()), url);
