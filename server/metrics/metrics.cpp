@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <ctime>
-#include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <span>
 
@@ -14,8 +11,8 @@
 #include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
-#include <sys/resource.h>
-#include <unistd.h>
+
+#include "server/metrics/process.h"
 
 namespace brume {
 namespace {
@@ -30,12 +27,6 @@ const pm::Histogram::BucketBoundaries kSeconds{0.00025, 0.0005, 0.001, 0.002, 0.
 const pm::Histogram::BucketBoundaries kTickParts{0.002, 0.004, 0.006, 0.008, 0.010, 0.012, 0.014, 0.016,
                                                  0.018, 0.020, 0.022, 0.024, 0.028, 0.032, 0.040, 0.050,
                                                  0.066, 0.1,   0.2,   0.5,   1,     2,     5};
-
-pm::MetricFamily gauge(const char* name, const char* help, double value) {
-    pm::ClientMetric metric;
-    metric.gauge.value = value;
-    return {name, help, pm::MetricType::Gauge, {metric}};
-}
 
 pm::MetricFamily counter(const Metrics::Sample& sample) {
     pm::ClientMetric metric;
@@ -53,54 +44,6 @@ pm::MetricFamily counters(const char* name, const char* help,
         metric.counter.value = double(value);
         family.metric.push_back(metric);
     }
-    return family;
-}
-
-// Of the process, as every exporter has them, under the names that dashboards know.
-pm::MetricFamily processCpu() {
-    timespec spent{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &spent);
-    pm::ClientMetric metric;
-    metric.counter.value = double(spent.tv_sec) + double(spent.tv_nsec) * 1e-9;
-    return {"process_cpu_seconds_total", "User and system CPU time of all threads.", pm::MetricType::Counter, {metric}};
-}
-
-pm::MetricFamily processMemory() {
-    double all_pages = 0, resident_pages = 0;
-    std::ifstream("/proc/self/statm") >> all_pages >> resident_pages;
-    return gauge("process_resident_memory_bytes", "Memory that is in RAM.",
-                 resident_pages * double(::sysconf(_SC_PAGESIZE)));
-}
-
-pm::MetricFamily openDescriptors() {
-    std::error_code error; // none can be opened to count them: as many as there may be
-    const auto listed = std::filesystem::directory_iterator("/proc/self/fd", error);
-    rlimit most{};
-    ::getrlimit(RLIMIT_NOFILE, &most);
-    const double count =
-        error ? double(most.rlim_cur) : double(std::distance(begin(listed), end(listed)) - 1); // without the list's own
-    return gauge("process_open_fds", "Open file descriptors.", count);
-}
-
-pm::MetricFamily mostDescriptors() {
-    rlimit most{};
-    ::getrlimit(RLIMIT_NOFILE, &most);
-    return gauge("process_max_fds", "File descriptors that may be open.", double(most.rlim_cur));
-}
-
-pm::MetricFamily buildInfo() {
-    pm::MetricFamily family = gauge("brume_build_info", "1; what the program was built of.", 1);
-#ifdef NDEBUG
-    const char* assertions = "off";
-#else
-    const char* assertions = "on";
-#endif
-#ifdef __clang__
-    const char* compiler = "clang " __clang_version__;
-#else
-    const char* compiler = "gcc " __VERSION__;
-#endif
-    family.metric[0].label = {{"version", BRUME_VERSION}, {"compiler", compiler}, {"assertions", assertions}};
     return family;
 }
 
@@ -397,11 +340,7 @@ std::string Metrics::text(const Audience& audience, std::span<const OfRoom> room
             else
                 same->metric.insert(same->metric.end(), family.metric.begin(), family.metric.end());
         }
-    all.push_back(buildInfo());
-    all.push_back(processCpu());
-    all.push_back(processMemory());
-    all.push_back(openDescriptors());
-    all.push_back(mostDescriptors());
+    for (pm::MetricFamily& family : processFamilies()) all.push_back(std::move(family));
     return pm::TextSerializer().Serialize(all);
 }
 
