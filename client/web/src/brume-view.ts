@@ -10,7 +10,7 @@ import type { Latency } from './latency';
 import { placeOf } from './place';
 import type { Place } from './place';
 import type { Frame, SceneState, Welcome } from './protocol';
-import { renewedToken } from './renewal';
+import { renewal } from './renewal';
 import type { Report } from './report';
 import { sentence, standstillText } from './sentence';
 import { sizeOf } from './size';
@@ -260,9 +260,9 @@ export class BrumeView extends HTMLElement {
       drawn: ({ tick, stateHash }) => void this.tell('drawn', { tick, stateHash }),
       people: () => void this.tell('people', undefined),
       renew: async () => {
-        const token = await renewedToken(this.getAttribute('token-url'));
-        if (token !== undefined) this.tell('token', { token });
-        return token;
+        const another = await renewal(this.getAttribute('token-url'));
+        if (another && 'token' in another) this.tell('token', another);
+        return another;
       },
       note: (text, kind) => void this.tell('note', { text: sentence(text), kind }),
       changed: () => void this.tell('modechange', undefined),

@@ -6,8 +6,9 @@ import { encodeAck, encodeGoodbye, encodeHello, encodeInput, encodePing, encodeP
 import { answers, pageOf } from './move';
 import { SUBPROTOCOL } from './protocol';
 import type { Command, HelloMessage, PoseMessage, ServerMessage, Welcome } from './protocol';
+import type { Renewal } from './renewal';
 
-export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token' | 'room';
+export type Refusal = 'full' | 'version' | 'blocked' | 'origin' | 'goodbye' | 'token' | 'login' | 'room';
 
 // `retryAt`: time of the next try, on performance.now()'s clock; undefined while one is under way, Infinity if none
 // comes by itself.
@@ -22,8 +23,8 @@ export interface LinkEvents {
   state(state: LinkState): void;
   message(message: ServerMessage, bytes: number): void;
   roundTrip(ms: number): void;
-  // Another token, when the server takes this one no more; undefined where there is none to be had.
-  renew?(): Promise<string | undefined>;
+  // Another token, when the server takes this one no more, or why there is none; undefined where nobody gives any.
+  renew?(): Promise<Renewal | undefined>;
   // The server has stopped, and the page of another server that it named answers: the viewer goes there.
   moved(page: string): void;
 }
@@ -52,7 +53,7 @@ export class Connection {
   private welcomed = false;
   private resume = ''; // Welcome.resume of the last welcome: the key to be the same viewer again
   private everWelcomed = false;
-  private renews = false; // true: the token was renewed, and nobody has been welcomed by it yet
+  private renews = false; // true: the token was renewed just now, and a third would be as bad
   private inputSeq = 0;
   private poseSeq = 0;
   private nonce = 0;
@@ -291,10 +292,12 @@ export class Connection {
     if (this.socket || this.ending.aborted) return; // another try has begun meanwhile, or none is wanted
     this.away = !alive;
     this.declined = alive && there && !refusal ? this.declined + 1 : 0;
-    if (refusal === 'token' && (await this.renewed())) return this.open();
+    const another = refusal === 'token' && !this.renews ? await this.events.renew?.() : undefined;
+    if (this.socket || this.ending.aborted) return; // as above
+    if (another && 'token' in another) return this.openWith(another.token);
     if (refusal) {
-      this.parting = { refusal, text };
-      this.askedWait = TOKEN_WAIT_S;
+      this.parting = another ?? { refusal, text };
+      [this.renews, this.askedWait] = [false, TOKEN_WAIT_S]; // a third may be asked for after that
       this.hopeless = refusal === 'blocked' && !this.everWelcomed;
     } else if (this.declined >= DECLINED_LIMIT) {
       this.parting = text.includes(SUBPROTOCOL) ? blockedRefusal('WebSockets') : versionRefusal();
@@ -305,15 +308,12 @@ export class Connection {
     this.ended();
   }
 
-  // True: there is another token, which is tried at once. Not twice without a welcome between: then it is as bad.
-  private async renewed(): Promise<boolean> {
-    const token = this.renews ? undefined : await this.events.renew?.();
-    if (token === undefined || this.socket || this.ending.aborted) return false;
+  private openWith(token: string): void {
     this.renews = true;
     const address = new URL(this.url);
     address.searchParams.set('token', token);
     this.url = address.href;
-    return true;
+    this.open();
   }
 
   private isAlive(): Promise<boolean> {

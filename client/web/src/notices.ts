@@ -2,7 +2,7 @@
 // refusal, a status line in the corner, a countdown to the next try, and short notes. And about a scene that stands
 // still, for as long as it does.
 import { Announcer } from './announce';
-import type { LinkState } from './connection';
+import type { LinkState, Refusal } from './connection';
 import { el, find, setText } from './dom';
 import { sentence, standstillText } from './sentence';
 
@@ -35,6 +35,11 @@ const REFUSALS = {
     text: 'It needs a token: ask for an address with one.',
     status: 'No token',
   },
+  login: {
+    title: 'You are signed out',
+    text: 'Load this page again to sign in.',
+    status: 'Signed out',
+  },
   room: {
     title: 'There is no such room',
     text: 'It was closed, or never open.',
@@ -42,6 +47,8 @@ const REFUSALS = {
   },
   goodbye: { title: 'The server said goodbye', text: 'It asked to come back later.', status: 'Closed' },
 } as const;
+// What a page that is loaded again mends.
+const loads = (refusal: Refusal): boolean => refusal === 'version' || refusal === 'login';
 
 export class Notices {
   private readonly curtain = find('curtain');
@@ -64,7 +71,7 @@ export class Notices {
 
   constructor(retry: () => void) {
     this.retry.addEventListener('click', () => {
-      if (this.shown.name === 'refused' && this.shown.refusal === 'version') location.reload();
+      if (this.shown.name === 'refused' && loads(this.shown.refusal)) location.reload();
       else retry();
     });
     window.setInterval(() => this.count(), 250);
@@ -133,9 +140,9 @@ export class Notices {
         const refusal = REFUSALS[state.refusal];
         this.retryAt = state.retryAt;
         this.show('refused', refusal.status);
-        const tells = ['goodbye', 'token', 'origin', 'blocked'].includes(state.refusal);
+        const tells = ['goodbye', 'token', 'login', 'origin', 'blocked'].includes(state.refusal);
         const own = tells && state.text ? sentence(state.text) : refusal.text;
-        this.draw(refusal.title, own, state.refusal === 'version' ? 'Load again' : 'Try now');
+        this.draw(refusal.title, own, loads(state.refusal) ? 'Load again' : 'Try now');
         break;
       }
     }

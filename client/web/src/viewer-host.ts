@@ -3,6 +3,7 @@ import type { LinkState } from './connection';
 import type { Latency } from './latency';
 import type { Frame, LitParticles, SceneState, Welcome } from './protocol';
 import type { Place } from './place';
+import type { Renewal } from './renewal';
 import type { Size } from './size';
 import type { View } from './views';
 
@@ -21,7 +22,7 @@ export interface ViewerEvents {
   scene(scene: SceneState): void;
   picture(frame: Frame, latency: Latency | undefined): void; // latency: of the first frame of its pose
   drawn(message: LitParticles): void; // particles came, from which this page draws
-  renew(): Promise<string | undefined>; // another token, when the server takes this one no more
+  renew(): Promise<Renewal | undefined>; // another token, when the server takes this one no more
   people(): void; // others came, left, point or present
   note(text: string, kind: 'info' | 'error'): void;
   changed(): void; // mode, pushing or headset

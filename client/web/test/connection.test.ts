@@ -1,6 +1,8 @@
 import { Builder } from 'flatbuffers';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { Connection } from '../src/connection';
+import type { LinkEvents } from '../src/connection';
+import type { Renewal } from '../src/renewal';
 import { Body } from '../src/wire/brume/wire/body';
 import { Goodbye } from '../src/wire/brume/wire/goodbye';
 import { Message } from '../src/wire/brume/wire/message';
@@ -35,7 +37,7 @@ describe('a connection', () => {
   const told: string[] = [];
   let lastText = '';
   let ending: AbortController;
-  const connect = (renew?: () => Promise<string | undefined>): Connection => {
+  const connect = (renew?: LinkEvents['renew']): Connection => {
     const hello = () => ({ client: 'test', width: 64, height: 64, quality: 0 });
     const connection = new Connection(
       'ws://server.example/ws',
@@ -84,12 +86,12 @@ describe('a connection', () => {
     expect(told).toEqual(['connecting', 'reconnecting', 'reconnecting']);
   });
 
-  test('whose token has ended goes on with another one at once, and asks for a third after a welcome only', async () => {
+  test('whose token has ended goes on with another one at once, and waits before it asks for a third', async () => {
     vi.stubGlobal('fetch', () => Promise.resolve(new Response('the token has expired', { status: 401 })));
     let [asked, given] = [0, 'second.token'];
     connect(() => {
       asked += 1;
-      return Promise.resolve(given);
+      return Promise.resolve({ token: given });
     });
     sockets[0]?.onclose();
     await vi.advanceTimersByTimeAsync(0);
@@ -99,6 +101,33 @@ describe('a connection', () => {
     sockets.at(-1)?.onclose();
     await vi.advanceTimersByTimeAsync(0);
     expect([asked, told.at(-1), lastText]).toEqual([1, 'refused', 'the token has expired']);
+    // It may have ended while the server was away: a minute later another is asked for.
+    for (let s = 0; sockets.length < 3 && s < 60; ++s) await vi.advanceTimersByTimeAsync(1000);
+    sockets.at(-1)?.onclose();
+    await vi.advanceTimersByTimeAsync(0);
+    expect([asked, sockets.at(-1)?.url]).toEqual([2, 'ws://server.example/ws?token=third.token']);
+  });
+
+  test('says why there is no other token, asks again, and is not disturbed by a try that began meanwhile', async () => {
+    vi.stubGlobal('fetch', () => Promise.resolve(new Response('the token has expired', { status: 401 })));
+    let answer: (renewal: Renewal) => void = () => undefined;
+    const connection = connect(() => new Promise((resolve) => (answer = resolve)));
+    sockets[0]?.onclose();
+    await vi.advanceTimersByTimeAsync(0);
+    answer({ refusal: 'login', text: 'signed out' });
+    await vi.advanceTimersByTimeAsync(0);
+    expect([told.at(-1), lastText, sockets.length]).toEqual(['refused', 'signed out', 1]);
+    // Somebody may have signed in in another tab.
+    for (let s = 0; sockets.length < 2 && s < 60; ++s) await vi.advanceTimersByTimeAsync(1000);
+    expect(sockets.length).toBe(2);
+    sockets[1]?.onclose();
+    await vi.advanceTimersByTimeAsync(0);
+    connection.retryNow();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(sockets.length).toBe(3);
+    answer({ refusal: 'login', text: 'late' });
+    await vi.advanceTimersByTimeAsync(0);
+    expect([lastText, open().at(-1) === sockets[2]]).toEqual(['signed out', true]);
   });
 
   test('that nobody answers is asked for all night, once a second, and made once somebody does', async () => {
