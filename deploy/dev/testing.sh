@@ -105,6 +105,7 @@ package() (
 deployTest() {
     lock test
     npmInstall tests/deploy
+    npmInstall tests/browser # drives the page of who has signed in
     testEnvironment
     /usr/bin/python3 -m unittest discover -s tests/deploy -p '*_test.py' {lock_fd}>&-
     unlock
