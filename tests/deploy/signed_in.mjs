@@ -8,7 +8,7 @@ import { after, before, test } from 'node:test';
 import { another, connected, openPage, startBrowser, until } from '../browser/pages.mjs';
 
 const [url, issuer, folder] = argv.slice(2);
-const LASTS_S = '3'; // of a token
+const LASTS_S = '2'; // of a token
 const SKIP = process.env.BRUME_TESTS !== 'whole' && 'two more pages: BRUME_TESTS=whole';
 const HARM = '<img src=x onerror=harm=1>'; // names of people have at most 32 characters
 const comes = (name) =>
