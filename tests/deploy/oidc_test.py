@@ -80,7 +80,9 @@ class Person:
     def token(self, headers=()):
         status, got, body = self.get('/token', headers)
         assert status == 200, (status, body, *(log.read_text()[-1000:] for log in self.logs.glob('*.log')))
-        assert (got['Content-Type'], got['Cache-Control']) == ('text/plain; charset=utf-8', 'no-store'), got
+        for name, value in (('Content-Type', 'text/plain; charset=utf-8'), ('Cache-Control', 'no-store'),
+                            ('X-Content-Type-Options', 'nosniff'), ('Cross-Origin-Resource-Policy', 'same-origin')):
+            assert got[name] == value, got
         return body.decode().strip()
 
     def cookie(self):
