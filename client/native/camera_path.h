@@ -35,6 +35,7 @@ double secondsOf(PathKind kind); // duration of one round, s; of keys that of an
 
 struct Ray {
     glm::vec3 origin{0}, direction{0, 0, -1}; // direction is unit
+    bool operator==(const Ray&) const = default;
 };
 
 // The ray through a point of the picture; x and y in [0, 1], from the left and the top. Aspect = width / height.

@@ -1,12 +1,49 @@
 #include "client/native/display.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
 #include <stdexcept>
 
 #include <SDL2/SDL.h>
 
 namespace brume::client {
+namespace {
+
+constexpr SDL_Color kDark{11, 15, 20, 150}, kWhite{255, 255, 255, 255}; // around dots and lines, as on the page
+constexpr float kDotRadius = 6;                                         // pixels
+constexpr float kLineWidth = 1.6f, kDarkWidth = 3.5f;                   // pixels
+
+SDL_Color colourOf(uint32_t rgb) { return {Uint8(rgb >> 16), Uint8(rgb >> 8), Uint8(rgb), 255}; }
+
+// Rows, none of which is drawn twice: the colour may let something through.
+void fillCircle(SDL_Renderer* renderer, glm::vec2 middle, float radius, SDL_Color colour) {
+    std::vector<SDL_FRect> rows;
+    for (float y = std::floor(middle.y - radius); y <= middle.y + radius; ++y) {
+        const float above = y + 0.5f - middle.y, half = std::sqrt(std::max(radius * radius - above * above, 0.0f));
+        const float left = std::round(middle.x - half), right = std::round(middle.x + half);
+        if (right > left) rows.push_back({left, y, right - left, 1});
+    }
+    SDL_SetRenderDrawColor(renderer, colour.r, colour.g, colour.b, colour.a);
+    SDL_RenderFillRectsF(renderer, rows.data(), int(rows.size()));
+}
+
+void drawLine(SDL_Renderer* renderer, const Line& line, float width, SDL_Color colour) {
+    const glm::vec2 way = line.to - line.from;
+    const float length = std::max(glm::length(way), 1e-3f);
+    const glm::vec2 side = glm::vec2(-way.y, way.x) * (width / 2 / length);
+    std::array<SDL_Vertex, 4> corners;
+    for (size_t i = 0; i < 4; ++i) {
+        const glm::vec2 at = (i < 2 ? line.from : line.to) + (i % 2 == 0 ? side : -side);
+        corners[i] = {{at.x, at.y}, colour, {0, 0}};
+    }
+    constexpr std::array<int, 6> kTriangles{0, 1, 2, 2, 1, 3};
+    SDL_RenderGeometry(renderer, nullptr, corners.data(), int(corners.size()), kTriangles.data(),
+                       int(kTriangles.size()));
+}
+
+} // namespace
 
 Display::Library::Library() {
     // Left alone, SDL would go on to its off-screen driver, where nobody sees anything; SDL_VIDEODRIVER still asks for
@@ -94,7 +131,21 @@ void Display::present() {
         const SDL_Rect rect{at.x, at.y, at.w, at.h};
         SDL_RenderCopy(renderer_.get(), texture_.get(), nullptr, &rect);
     }
+    drawMarks();
     SDL_RenderPresent(renderer_.get());
+}
+
+void Display::drawMarks() {
+    SDL_Renderer* const to = renderer_.get();
+    SDL_SetRenderDrawBlendMode(to, SDL_BLENDMODE_BLEND);
+    for (const auto& [line, colour] : marks_.edges) drawLine(to, line, kDarkWidth, kDark);
+    for (const auto& [line, colour] : marks_.edges) drawLine(to, line, kLineWidth, colourOf(colour));
+    for (const auto& [at, colour] : marks_.dots) {
+        fillCircle(to, at, kDotRadius + 3, kDark);
+        fillCircle(to, at, kDotRadius + 1.5f, kWhite);
+        fillCircle(to, at, kDotRadius, colourOf(colour));
+    }
+    SDL_SetRenderDrawBlendMode(to, SDL_BLENDMODE_NONE);
 }
 
 bool Display::take(const Sheets& sheets) {
@@ -136,6 +187,7 @@ void Display::present(const Sheets& sheets, const Pose& eye) {
                 SDL_RenderGeometry(renderer_.get(), texture->get(), vertices.data(), int(vertices.size()),
                                    triangles.data(), int(triangles.size()));
     }
+    drawMarks();
     SDL_RenderPresent(renderer_.get());
 }
 
@@ -144,6 +196,16 @@ std::vector<uint8_t> Display::read() const {
     if (SDL_RenderReadPixels(renderer_.get(), nullptr, SDL_PIXELFORMAT_RGB888, pixels.data(), 4 * width()) != 0)
         return {};
     return pixels;
+}
+
+Area Display::area() const {
+    const Place at = place();
+    return {float(at.x), float(at.y), float(at.w), float(at.h)};
+}
+
+float Display::aspect() const {
+    const Place at = place();
+    return float(at.w) / float(at.h);
 }
 
 std::pair<float, float> Display::inPicture(int x, int y) const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/native/people.h"
 #include "client/native/sheets.h"
 
 struct SDL_Window;
@@ -35,6 +36,8 @@ public:
     bool update(int width, int height, const std::function<bool(uint8_t* pixels, int pitch)>& fill);
     // Takes a picture with layers in place of the last ones. False: this display cannot draw them.
     bool take(const Sheets& sheets);
+    // What every present() draws over the picture from now on, in pixels of the drawing area.
+    void mark(Marks marks) { marks_ = std::move(marks); }
     // Draws the picture with layers as `eye` sees it, in the whole drawing area. Precondition: take() returned true.
     void present(const Sheets& sheets, const Pose& eye);
     // Draws the newest picture, centred and as large as fits in its own shape.
@@ -43,12 +46,15 @@ public:
     std::vector<uint8_t> read() const;
     // Where a pixel of the window lies in the picture: from the left and from the top, each clamped to [0, 1].
     std::pair<float, float> inPicture(int x, int y) const;
+    Area area() const;    // that the picture covers, in the drawing area
+    float aspect() const; // width / height of it
 
 private:
     struct Place { // the picture's rectangle in the drawing area, in pixels; all of it for one with layers
         int x, y, w, h;
     };
     Place place() const;
+    void drawMarks();
 
     struct Destroy {
         void operator()(SDL_Window* window) const;
@@ -67,6 +73,7 @@ private:
         std::unique_ptr<SDL_Texture, Destroy> transmittance, colours; // null: none
     };
     std::vector<SheetTextures> sheets_; // from back to front
+    Marks marks_;
     int texture_width_ = 0, texture_height_ = 0;
     bool has_picture_ = false;
 };

@@ -136,9 +136,11 @@ std::optional<Options> parseOptions(int argc, const char* const* argv, int& exit
     app.add_flag(
         "--no-reconnect", no_reconnect,
         "End when the connection is lost. Else it is tried again: in a window for ever, without one for a minute");
-    app.footer("In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit,\n"
-               "Ctrl+drag to push the cloud, Space to pause it for everyone,\n"
-               "Ctrl+Z to undo the last change of anybody, Escape to leave.");
+    app.footer(
+        "In the window: drag to turn, wheel to come nearer, W A S D Q E to move, F to fly or orbit,\n"
+        "Ctrl+drag to push the cloud, Space to pause it for everyone,\n"
+        "Ctrl+Z to undo the last change of anybody, T to point for all to see, C to see where others look from,\n"
+        "Escape to leave.");
 
     try {
         app.parse(argc, argv);

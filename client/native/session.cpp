@@ -1,6 +1,7 @@
 #include "client/native/session.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/scene_limits.h"
 #include "common/text.h"
@@ -98,8 +99,9 @@ void Session::takeNote(const Received& message) {
                            camera.fov_y(),
                            textOf(welcome->resume()),
                            welcome->resumed(),
-                           keysOf(*welcome)};
-        if (welcome->people()) appear(0);
+                           keysOf(*welcome),
+                           welcome->people()};
+        if (welcome->people()) sayPresence();
     } else if (const auto* people = message.as<wire::People>()) {
         meet(*people);
     } else if (const auto* state = message.as<wire::SceneState>()) {
@@ -115,9 +117,18 @@ void Session::takeNote(const Received& message) {
     }
 }
 
-void Session::appear(uint32_t follow) {
-    follow_ = follow;
-    sendMessage([&](auto& b) { return wire::CreatePresenceDirect(b, wishes_.name.c_str(), nullptr, follow); });
+void Session::sayPresence() {
+    std::optional<wire::Ray> ray;
+    if (const auto& pointer = appearance_.pointer) ray.emplace(toWire(pointer->origin), toWire(pointer->direction));
+    sendMessage([&](auto& b) {
+        return wire::CreatePresenceDirect(b, wishes_.name.c_str(), ray ? &*ray : nullptr, follow_, appearance_.cameras);
+    });
+}
+
+void Session::appear(const Appearance& appearance) {
+    if (!granted().people || appearance == appearance_) return;
+    appearance_ = appearance;
+    sayPresence();
 }
 
 // Follows who has the wished name, as long as they are here.
@@ -131,7 +142,7 @@ void Session::meet(const wire::People& people) {
     leader_.clear();
     for (const wire::Person* one : *people.people())
         if (one->id() == led_by && led_by != granted().viewer) leader_ = oneLine(one->name()->str());
-    if (wanted != follow_) appear(wanted);
+    if (wanted != std::exchange(follow_, wanted)) sayPresence();
 }
 
 std::string Session::closedBecause() const { return refusal_.empty() ? connection_.closedBecause() : refusal_; }

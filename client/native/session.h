@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "client/native/camera_path.h"
 #include "client/native/connection.h"
 #include "common/camera_keys.h"
 #include "protocol/message.h"
@@ -66,6 +67,14 @@ struct Granted {
     std::string resume;   // a secret key: with it, a new session within a minute of losing this one is the same viewer
     bool resumed = false; // true: the server knew the key that the hello named
     std::vector<CameraKey> keys; // the scene's key views; empty: it has none, or the server is older
+    bool people = false;         // true: the server knows of people
+};
+
+// What a viewer says of itself to others, beside its name.
+struct Appearance {
+    std::optional<Ray> pointer; // along which it points; nothing: it points at nothing
+    bool cameras = false;       // true: it wants to know where others look from
+    bool operator==(const Appearance&) const = default;
 };
 
 // Pushes the particles near a ray (wire::Impulse): along `push`, in m/s, or away from the ray when that is zero.
@@ -123,6 +132,8 @@ public:
     uint32_t sendImpulse(const Impulse& impulse);
     uint32_t sendPaused(bool paused);
     uint32_t sendUndo(); // takes back the newest change of anybody
+    // Says it if it is new, and the server knows of people. Precondition: welcomed().
+    void appear(const Appearance& appearance);
     // Tells the server that the frame was presented or dropped: it may send another.
     void acknowledge(uint32_t frame);
     void sendPing();
@@ -141,7 +152,7 @@ private:
     }
     void sayHello();
     void takeNote(const Received& message);
-    void appear(uint32_t follow);
+    void sayPresence();
     void meet(const wire::People& people);
 
     Connection connection_;
@@ -153,6 +164,7 @@ private:
     float retry_after_s_ = 0;
     std::string go_to_, standstill_, leader_;
     uint32_t follow_ = 0; // id of the person that was asked for
+    Appearance appearance_;
     uint32_t pose_seq_ = 0, input_seq_ = 0, ping_ = 0;
     std::optional<float> round_trip_ms_;
 };

@@ -15,6 +15,7 @@
 #include "client/native/jpeg.h"
 #include "client/native/link.h"
 #include "client/native/lit_reader.h"
+#include "client/native/people_keys.h"
 #include "client/native/recorder.h"
 
 namespace brume::client {
@@ -25,6 +26,7 @@ using std::chrono::milliseconds;
 constexpr uint64_t kPoseEveryUs = 16'667; // 60 Hz, sent while nothing moves too: each measures the latency anew
 constexpr uint64_t kRedrawEveryUs = 16'667;
 constexpr uint64_t kPushEveryUs = 33'333; // a drag is many events
+constexpr uint64_t kSayEveryUs = 50'000;  // so often the server tells others of it
 constexpr uint64_t kSecondUs = 1'000'000;
 constexpr uint64_t kTitleEveryUs = 500'000;
 constexpr uint64_t kToldUs = 4'000'000;      // what the server refused stays in the title
@@ -40,7 +42,7 @@ public:
           statistics_(options.servers.front().url()),
           display_("brume: connecting to " + options.servers.front().url(), options.wishes.width * options.wishes.views,
                    options.wishes.height),
-          wishes_(options.wishes), link_(options, true) {}
+          wishes_(options.wishes), link_(options, true), people_keys_(options.wishes.views) {}
 
     void run() {
         std::string failure;
@@ -94,6 +96,8 @@ private:
                     hide(false);
                 present(); // exposed, restored, resized: draw again
             }
+            people_keys_.handle(event, display_);
+            if (event.type == SDL_KEYDOWN && event.key.keysym.sym == SDLK_c) present();
             if (gestures_) gestures_->handle(event, display_);
         }
         if (resized_us_ > 0 && now - resized_us_ > kResizeAfterUs) {
@@ -131,6 +135,9 @@ private:
                 if (!standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
             } else if (message->as<wire::Welcome>()) {
                 welcome(session.granted());
+            } else if (const auto* people = message->as<wire::People>()) {
+                people_ = peopleOf(*people);
+                present();
             } else if (message->as<wire::LitParticles>()) {
                 takeLit(session, *message);
             } else if (message->as<wire::Frame>()) {
@@ -146,6 +153,8 @@ private:
     void welcome(const Granted& granted) {
         statistics_.welcome(granted);
         next_ping_us_ = 0;
+        me_ = granted.viewer;
+        people_.clear();
         // A welcome to the same scene, after a lost connection: the camera stays where the user left it.
         if (granted.scene == std::exchange(scene_, granted.scene) && gestures_) return;
         camera_ = options_.camera.value_or(CameraPath{options_.path, granted.position, granted.target, granted.fov_y});
@@ -178,8 +187,11 @@ private:
         if (now >= next_push_us_) {
             const float seconds = static_cast<float>(now + kPushEveryUs - next_push_us_) * 1e-6f;
             next_push_us_ = now + kPushEveryUs;
-            if (const auto impulse = gestures_->takeImpulse(sheets_ ? gestures_->pose() : seen_, seconds))
-                send(session, *impulse);
+            if (const auto impulse = gestures_->takeImpulse(eye(), seconds)) send(session, *impulse);
+        }
+        if (now >= next_say_us_) {
+            next_say_us_ = now + kSayEveryUs;
+            session.appear(people_keys_.appearance(eye()));
         }
         if (gestures_->undoAsked()) {
             session.sendUndo();
@@ -218,6 +230,11 @@ private:
             return good;
         });
         if (!whole) throw std::runtime_error("a picture from the server is broken: " + decoder_.error());
+        const auto& position = *frame.position();
+        const auto& turn = *frame.orientation();
+        seen_.position = {position.x(), position.y(), position.z()};
+        seen_.orientation = glm::quat(turn.w(), turn.x(), turn.y(), turn.z());
+        seen_.fov_y = frame.fov_y();
         sheets_ = options_.redraw ? Sheets::of(message, decoder_) : std::nullopt;
         if (sheets_ && !display_.take(*sheets_)) sheets_.reset();
         present();
@@ -230,9 +247,6 @@ private:
         recorder_.frame(message);
         if (first_us_ == 0) first_us_ = presented;
         tick_ = record.tick;
-        seen_.position = record.position;
-        seen_.orientation = record.orientation;
-        seen_.fov_y = record.fov_y;
     }
 
     // Particles that the server has lit: they are drawn with the display's next picture.
@@ -268,15 +282,26 @@ private:
                 }
             return true;
         });
+        mark();
         display_.present();
     }
 
     // The newest picture; with layers or particles as the camera sees it now.
     void present() {
         if (lit_ && gestures_) return paint();
+        mark();
         if (!sheets_) return display_.present();
-        display_.present(*sheets_, gestures_->pose());
+        display_.present(*sheets_, eye());
         statistics_.redrawn();
+    }
+
+    // Camera of what is shown.
+    Pose eye() const { return sheets_ ? gestures_->pose() : seen_; }
+
+    // People over the picture; over two eyes none, as on the page.
+    void mark() {
+        const bool one_eye = wishes_.views == 1 && gestures_;
+        display_.mark(one_eye ? marksOf(people_, me_, eye(), display_.area(), people_keys_.cones()) : Marks());
     }
 
     void showTitle(uint64_t now) {
@@ -289,8 +314,9 @@ private:
         if (!leader_.empty()) title += ", as " + leader_ + " sees it";
         if (sheets_) title += ", redrawn";
         if (lit_) title += fmt::format(", drawn here in {:.0f} ms", drawn_ms_);
-        title += fmt::format(", tick {}, {} viewer{}{}", tick_, viewers_, viewers_ == 1 ? "" : "s",
-                             paused_ ? ", paused" : "");
+        const std::string names = namesOf(people_, me_);
+        title += fmt::format(", tick {}{}, {} viewer{}{}{}", tick_, paused_ ? ", paused" : "", viewers_,
+                             viewers_ == 1 ? "" : "s", names.empty() ? "" : ": ", names);
         if (!standstill_.empty()) title = fmt::format("brume: {} stands still: {}", scene_, standstill_);
         if (told_us_ > 0 && now - told_us_ < kToldUs)
             title = "brume: " + statistics_.lastError(); // such as: this role may not
@@ -313,7 +339,10 @@ private:
     std::optional<Sheets> sheets_; // the newest picture's, if it has layers
     CameraPath camera_;
     std::optional<Gestures> gestures_; // from the first welcome on
-    Pose seen_;                        // camera of the picture that is shown
+    PeopleKeys people_keys_;
+    std::vector<Person> people_;
+    uint32_t me_ = 0; // this viewer's id
+    Pose seen_;       // camera of the picture that is shown
     std::string scene_;
     std::string standstill_;  // why the scene stands still; empty while ticks come
     std::string leader_;      // person whose camera pictures have; empty: its own
@@ -324,7 +353,7 @@ private:
     uint64_t tick_ = 0;
     uint64_t start_us_ = 0, first_us_ = 0; // welcome to the present scene, first frame
     uint64_t next_pose_us_ = 0, next_ping_us_ = 0, next_push_us_ = 0, next_title_us_ = 0, next_redraw_us_ = 0,
-             resized_us_ = 0, told_us_ = 0;
+             next_say_us_ = 0, resized_us_ = 0, told_us_ = 0;
     size_t impulses_sent_ = 0;
 };
 

@@ -1,0 +1,34 @@
+// The keys with which the user of the window points and sees where others look from.
+#pragma once
+
+#include <optional>
+
+#include "client/native/camera_path.h"
+#include "client/native/display.h"
+#include "client/native/session.h"
+
+union SDL_Event;
+
+namespace brume::client {
+
+class PeopleKeys {
+public:
+    explicit PeopleKeys(uint8_t views) : views_(views) {}
+
+    void handle(const SDL_Event& event, const Display& display);
+    // What the viewer says of itself now. While T is on it points at where the cursor has moved to, through a picture
+    // that `seen` shows; the ray stays when the camera moves alone.
+    const Appearance& appearance(const Pose& seen);
+    bool cones() const { return now_.cameras; } // C: true to draw others' cameras
+
+private:
+    struct Cursor { // as cursorRay() takes it
+        float x = 0, y = 0, aspect = 1;
+    };
+    uint8_t views_;
+    bool pointing_ = false;
+    std::optional<Cursor> moved_; // where the cursor has come to since the last appearance()
+    Appearance now_;
+};
+
+} // namespace brume::client
