@@ -24,7 +24,7 @@ void Gestures::handle(const SDL_Event& event, const Display& display) {
         if (!cursor_) cursor_.emplace();
         cursor_->x = u;
         cursor_->y = v;
-        cursor_->aspect = float(display.width()) / float(views_) / float(std::max(display.height(), 1));
+        cursor_->aspect = display.aspect() / float(views_);
     };
     const float per_height = 1 / float(std::max(display.height(), 1));
     switch (event.type) {
