@@ -61,17 +61,18 @@ private:
                 paint(*session, *message);
             else if (message->as<wire::Welcome>())
                 welcome(session->granted());
-            else if (message->as<wire::SceneState>())
-                look(*session);
+            else if (const auto* state = message->as<wire::SceneState>())
+                look(*session, state->paused());
             else if (const auto* error = message->as<wire::Error>())
                 statistics_.error(*error);
         }
     }
 
-    // Says once when the scene comes to a standstill. A camera that rests gets no frames then, and misses none.
-    void look(const Session& session) {
+    // Says once when the scene comes to a standstill. A camera that rests gets no frames then, nor of a paused scene,
+    // and misses none.
+    void look(const Session& session, bool paused) {
         const std::string& why = session.standstill();
-        if (!why.empty()) link_.heard(nowUs());
+        if (paused || !why.empty()) link_.heard(nowUs());
         if (!why.empty() && !standing_) std::cerr << "brume-client: the scene stands still: " << why << std::endl;
         standing_ = !why.empty();
     }

@@ -132,7 +132,7 @@ private:
                 viewers_ = state->viewers();
                 standstill_ = session.standstill();
                 leader_ = session.leader();
-                if (!standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
+                if (paused_ || !standstill_.empty()) link_.heard(now); // a camera that rests gets no frames
             } else if (message->as<wire::Welcome>()) {
                 welcome(session.granted());
             } else if (const auto* people = message->as<wire::People>()) {

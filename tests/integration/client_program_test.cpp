@@ -126,6 +126,17 @@ TEST_F(ClientProgram, PausedItSeesOneState) {
     }
 }
 
+TEST_F(ClientProgram, APausedSceneIsNoLostConnection) {
+    RunningServer server({"--paused"});
+    for (const bool window : {false, true}) {
+        std::vector<std::string> arguments{"--url", server.url(), "--timeout", "2", "--seconds", "5"};
+        if (!window) arguments.push_back("--headless");
+        const auto client = startClient(arguments, {"SDL_VIDEODRIVER=dummy"});
+        EXPECT_EQ(client->exitCode(), 0);
+        EXPECT_EQ(client->err(), "") << (window ? "window" : "headless");
+    }
+}
+
 TEST_F(ClientProgram, StereoWritesBothEyes) {
     const auto client = startClient({"--headless", "--stereo", "--url", url(), "--size", "160x96", "--frames", "2",
                                      "--quality", "55", "--out", out_.string()});
