@@ -1,9 +1,6 @@
 #include "server/metrics/metrics.h"
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <mutex>
 #include <span>
 
 #include <prometheus/counter.h>
@@ -12,6 +9,7 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include "server/metrics/busy.h"
 #include "server/metrics/process.h"
 
 namespace brume {
@@ -46,40 +44,6 @@ pm::MetricFamily counters(const char* name, const char* help,
     }
     return family;
 }
-
-// How much of the last seconds the device was busy, from what batches report when they are done.
-class Busy {
-public:
-    static constexpr int64_t kSeconds = 10; // whole ones, before the present
-
-    void add(double ms) {
-        const std::scoped_lock lock(mutex_);
-        const int64_t now = second();
-        Slot& slot = slots_[size_t(now) % slots_.size()];
-        if (slot.second != now) slot = {now, 0};
-        slot.ms += ms;
-    }
-    double ratio() const {
-        const std::scoped_lock lock(mutex_);
-        const int64_t now = second();
-        double ms = 0;
-        for (const Slot& slot : slots_)
-            if (slot.second < now && slot.second >= now - kSeconds) ms += slot.ms;
-        return ms / (1e3 * double(kSeconds));
-    }
-
-private:
-    static int64_t second() {
-        using namespace std::chrono;
-        return duration_cast<seconds>(steady_clock::now().time_since_epoch()).count();
-    }
-    struct Slot {
-        int64_t second = -kSeconds - 1;
-        double ms = 0;
-    };
-    mutable std::mutex mutex_;
-    std::array<Slot, kSeconds + 1> slots_;
-};
 
 // How many viewers are at each of a few values; all of them, also where nobody is.
 template <class Of>
