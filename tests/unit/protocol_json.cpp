@@ -1,29 +1,10 @@
-#include "tests/unit/protocol_examples.h"
-
-#include <nlohmann/json.hpp>
+#include "tests/unit/protocol_json.h"
 
 namespace brume::wire {
+
+using namespace json;
+
 namespace {
-
-Json number(uint64_t value) { return Json(std::to_string(value)); }
-Json text(const flatbuffers::String* value) { return value ? Json(value->c_str()) : Json(nullptr); }
-Json vec(const Vec3* v) { return v ? Json{v->x(), v->y(), v->z()} : Json(nullptr); }
-Json quat(const Quat* q) { return q ? Json{q->x(), q->y(), q->z(), q->w()} : Json(nullptr); }
-template <class T>
-Json maybe(flatbuffers::Optional<T> value) {
-    return value ? Json(*value) : Json(nullptr);
-}
-
-Json names(const flatbuffers::Vector<flatbuffers::Offset<flatbuffers::String>>* list) {
-    if (!list) return nullptr;
-    Json out = Json::array();
-    for (const auto* name : *list) out.push_back(name->c_str());
-    return out;
-}
-
-Json frustum(const Frustum& f) {
-    return {{"left", f.left()}, {"right", f.right()}, {"up", f.up()}, {"down", f.down()}};
-}
 
 Json hex(std::span<const uint8_t> bytes) {
     std::string out;
@@ -67,79 +48,7 @@ Json of(const Pose& m) {
     return out;
 }
 
-Json of(const Impulse& c) {
-    return Json::object({{"origin", vec(c.origin())},
-                         {"direction", vec(c.direction())},
-                         {"push", vec(c.push())},
-                         {"strength", c.strength()}});
-}
-Json of(const MoveVolume& c) { return Json::object({{"offset", vec(c.offset())}}); }
-Json of(const Restart&) { return Json::object(); }
-Json changesOf(const flatbuffers::Vector<flatbuffers::Offset<Change>>* all) {
-    if (!all) return nullptr;
-    Json changes = Json::array();
-    for (const Change* change : *all)
-        changes.push_back(Json::object({{"path", text(change->path())},
-                                        {"number", maybe(change->number())},
-                                        {"vector", vec(change->vector())},
-                                        {"text", text(change->text())}}));
-    return changes;
-}
-Json of(const Set& c) { return Json::object({{"changes", changesOf(c.changes())}}); }
-Json of(const Add& c) { return Json::object({{"list", text(c.list())}, {"changes", changesOf(c.changes())}}); }
-Json of(const Remove& c) { return Json::object({{"path", text(c.path())}}); }
-
-Json of(const Undo& c) { return Json::object({{"operators", c.operators()}}); }
-
-Json floats(const flatbuffers::Vector<float>* list) {
-    return list ? Json(std::vector<float>(list->begin(), list->end())) : Json(nullptr);
-}
-Json of(const SetParticles& c) {
-    return Json::object({{"first", c.first()},
-                         {"positions", floats(c.positions())},
-                         {"scales", floats(c.scales())},
-                         {"extinctions", floats(c.extinctions())},
-                         {"albedos", floats(c.albedos())},
-                         {"live", c.live()},
-                         {"seconds", c.seconds()}});
-}
-
-Json of(const Input& m) {
-    Json command = Json::object();
-    switch (m.command_type()) {
-    case Command::Impulse:
-        command = of(*m.command_as_Impulse());
-        break;
-    case Command::MoveVolume:
-        command = of(*m.command_as_MoveVolume());
-        break;
-    case Command::Restart:
-        command = of(*m.command_as_Restart());
-        break;
-    case Command::Set:
-        command = of(*m.command_as_Set());
-        break;
-    case Command::SetParticles:
-        command = of(*m.command_as_SetParticles());
-        break;
-    case Command::Add:
-        command = of(*m.command_as_Add());
-        break;
-    case Command::Remove:
-        command = of(*m.command_as_Remove());
-        break;
-    case Command::Undo:
-        command = of(*m.command_as_Undo());
-        break;
-    case Command::NONE:
-        break;
-    }
-    return Json::object({{"seq", m.seq()},
-                         {"client_time_us", number(m.client_time_us())},
-                         {"command_type", EnumNameCommand(m.command_type())},
-                         {"command", std::move(command)}});
-}
-
+Json of(const Input& m) { return ofInput(m); }
 Json of(const Ack& m) { return Json::object({{"frame", m.frame()}}); }
 Json of(const Ping& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
 Json of(const Pong& m) { return Json::object({{"nonce", m.nonce()}, {"time_us", number(m.time_us())}}); }
