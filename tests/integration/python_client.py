@@ -303,7 +303,7 @@ class Alone(Serving):
         for here, go_to, there in (('ws://a/ws', 'https://b/show/', 'wss://b/show/ws'),
                                    ('wss://a/ws', 'wss://b/ws', 'wss://b/ws'), ('wss://a/ws', 'http://b/', None),
                                    ('ws://a/ws', '', None), ('ws://a/ws', 'b', None), ('ws://a/ws', 'file:///b', None)):
-            self.assertEqual(brume.link.going_on(here, go_to), there, (here, go_to))
+            self.assertEqual(brume.address.going_on(here, go_to), there, (here, go_to))
 
     def test_a_lost_server_is_given_up_after_a_while(self):
         server = self.serve()
@@ -315,7 +315,7 @@ class Alone(Serving):
     def test_the_socket_is_beside_the_page_below_whatever_prefix(self):
         for page in ('https://host/clouds/brume', 'https://host/clouds/brume/', 'https://host/clouds/brume/embed.html',
                      'wss://host/clouds/brume/ws'):
-            self.assertEqual(brume.link.socket_address(page), 'wss://host/clouds/brume/ws')
+            self.assertEqual(brume.address.socket_address(page), 'wss://host/clouds/brume/ws')
 
     def test_nobody_there_and_no_address(self):
         with self.assertRaisesRegex(brume.BrumeError, 'no connection to ws://127.0.0.1:1/ws'):

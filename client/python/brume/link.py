@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Callable, Dict, List, Optional, Set
 import websockets as _websockets
 
 from brume import beside, messages
-from brume.address import going_on, socket_address
+from brume.destination import Destination
 from brume.error import BrumeError
 from brume.frame import Frame
 from brume.kinds import Table
@@ -28,7 +28,6 @@ SILENCE = 8  # s; the server reports the scene each second
 IDLE = 1  # s without a wish for a picture, after which the server draws none
 HANDSHAKE = 10  # s
 WAITS = (0.1, 0.2, 0.4, 0.8, 1)  # s before each further try to connect
-LONGEST_ASKED = 300  # s; the longest wait that a server may ask for
 
 websockets: Any = _websockets  # its versions differ in what they export, and how
 _HEADERS = 'additional_headers' if int(websockets.__version__.split('.')[0]) >= 14 else 'extra_headers'
@@ -41,7 +40,7 @@ class Link:
 
     def __init__(self, url: str, token: Optional[str], tls: Optional[ssl.SSLContext], patience: float,
                  hello: Callable[[str], bytes], reader: Optional[Callable[[], Reader]] = None) -> None:
-        self.address = socket_address(url)
+        self._destination = Destination(url)
         self.changed = threading.Condition()
         self.watchers: Set[Callable[[], None]] = set()  # called whenever `changed` is notified
         self.welcome: Table = None  # the newest Welcome; None: not connected
@@ -65,9 +64,6 @@ class Link:
         self._least_tick = 0  # of particles that are current
         self._closing = False
         self._resume = ''
-        self._other: Optional[str] = None  # the server that sent us here, or to which it sent us; None: there is one
-        self._go_to: Optional[str] = None  # of the last goodbye: where to go on
-        self._asked = 0.0  # s to wait before
         self._ending: Optional[BrumeError] = None  # why the server ends this connection
         self._socket: Any = None
         self._view: Optional[Dict[str, Any]] = None  # what pose() takes after its number
@@ -79,6 +75,10 @@ class Link:
         self._process = os.getpid()
         self._thread = threading.Thread(target=self._run_thread, name='brume', daemon=True)
         self._thread.start()
+
+    @property
+    def address(self) -> str:
+        return self._destination.address
 
     # ---- from the caller's thread ----
 
@@ -278,28 +278,17 @@ class Link:
                 self.welcome = self._socket = None
                 self.away = failure
                 tries, lost = (0, time.monotonic()) if was else (tries + 1, lost)
-                final = not (known or self._go_to) or time.monotonic() - lost > self._patience
-                asked = self._move(was)
+                final = not (known or self._destination.sent_on) or time.monotonic() - lost > self._patience
+                before = self.address
+                asked = self._destination.move(was is not None)
+                if self.address != before:
+                    self._resume = ''  # nobody knows it there
                 if final or self._closing:
                     self.failure = self.failure or failure
                 self._tell()
                 if self.failure:
                     return
             await asyncio.sleep(asked + WAITS[min(tries, len(WAITS) - 1)] * random.uniform(0.5, 1))
-
-    def _move(self, was: Table) -> float:
-        """Turns to the server that the last goodbye named, or back when nobody lets us in there. was: the welcome of
-        the session that ended, or None. Returns the wait that the goodbye asks for, in s."""
-        go_to, asked = self._go_to, self._asked
-        self._go_to, self._asked = None, 0.0
-        if go_to and go_to != self.address:
-            self.address, self._other = go_to, self.address
-        elif self._other and not was:
-            self.address, self._other = self._other, self.address
-        else:
-            return asked
-        self._resume = ''  # nobody knows it there
-        return asked
 
     async def _session(self) -> BrumeError:
         """One connection from its beginning to its end. Returns why it ended."""
@@ -372,9 +361,7 @@ class Link:
             elif kind == 'Goodbye':
                 said = messages.text_of(table.Reason())
                 self._ending = self._ending or BrumeError(f'the server said goodbye: {said}')
-                self._go_to = going_on(self.address, messages.text_of(table.GoTo()))
-                wait = table.RetryAfterS()
-                self._asked = min(wait, LONGEST_ASKED) if wait > 0 else 0.0
+                self._destination.hear(table)
             elif kind == 'Welcome':
                 self.welcome, self.away = table, None
                 self._told, self._old = False, self.particles
