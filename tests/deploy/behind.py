@@ -93,12 +93,19 @@ class Behind:
         """The stream of a scene at rest: a proxy that waits for more would hold its one picture back."""
         self.assertEqual(get(f'{self.url}/pause', method='POST')[0], 200)
         self.addCleanup(get, f'{self.url}/resume', method='POST')
+        self.assertTrue(any(self.pictures_at_first() == 1 for _ in range(3)), 'the next ones come with it')
+
+    def pictures_at_first(self):
+        """How many pictures of a stream have come once the first one is whole. The server sends one a second."""
         asked = http.client.HTTPConnection('127.0.0.1', self.port, timeout=20)
-        asked.request('GET', '/stream.mjpg?w=64&h=36')
+        asked.request('GET', '/stream.mjpg?w=16&h=16')
         stream, got = asked.getresponse(), b''
         while b'\xff\xd9' not in got:
-            got += stream.read1(65536)
+            part = stream.read1(65536)
+            self.assertTrue(part, 'the stream goes on')
+            got += part
         asked.close()
+        return got.count(b'\xff\xd8')
 
     def test_an_upload_of_a_few_megabytes_reaches_the_server(self):
         status, _, body = get(f'{self.url}/cloud?name=none', method='POST', data=os.urandom(3 << 20))
