@@ -87,26 +87,21 @@ FilmWriter::FilmWriter(std::filesystem::path out, uint32_t fps, uint32_t width, 
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("no pipe: ") + std::strerror(errno));
     std::signal(SIGPIPE, SIG_IGN); // an ffmpeg that ends is told by the write
-    const std::vector<std::string> words{"ffmpeg",
-                                         "-hide_banner",
-                                         "-loglevel",
-                                         "error",
-                                         "-y",
-                                         "-f",
-                                         "rawvideo",
-                                         "-pixel_format",
-                                         "rgb24",
-                                         "-video_size",
-                                         fmt::format("{}x{}", width, height),
-                                         "-framerate",
-                                         std::to_string(fps),
-                                         "-i",
-                                         "-",
-                                         "-pix_fmt",
-                                         out_.extension() == ".gif" ? "rgb8" : "yuv420p",
-                                         "-crf",
-                                         "17",
-                                         out_.string()};
+    std::vector<std::string> words;
+    const auto add = [&](std::initializer_list<const char*> more) {
+        words.insert(words.end(), more.begin(), more.end());
+    };
+    add({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24"});
+    const std::string size = fmt::format("{}x{}", width, height), rate = std::to_string(fps);
+    add({"-video_size", size.c_str(), "-framerate", rate.c_str(), "-i", "-"});
+    if (out_.extension() == ".gif") {
+        add({"-pix_fmt", "rgb8"});
+    } else {
+        // Without a word on it ffmpeg converts as of standard definition, and players take large films for BT.709.
+        add({"-vf", "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709", "-color_primaries", "bt709"});
+        add({"-color_trc", "iec61966-2-1", "-color_range", "tv", "-pix_fmt", "yuv420p", "-crf", "17"});
+    }
+    words.push_back(out_.string());
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);

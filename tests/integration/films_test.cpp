@@ -1,4 +1,5 @@
 // Films of key views, pictures without their sky, and changes that are taken back: by the real programs.
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
+#include "client/native/film_writer.h"
 #include "client/native/jpeg.h"
 #include "common/scene_text.h"
 #include "server/encode/cut_out.h"
@@ -79,6 +81,55 @@ TEST_F(Films, GoThroughFfmpeg) {
     ASSERT_EQ(client->exitCode(), 0) << client->err();
     EXPECT_EQ(fs::file_size(out_ / "a.mp4"), 2u * 160 * 90 * 3) << "two frames, as they are";
     EXPECT_NE(bytesOf(out_ / "told").find("-video_size 160x90 -framerate 2"), std::string::npos);
+}
+
+constexpr char kNoFfmpeg[] = "there is no /usr/bin/ffmpeg to make a film: apt-get install ffmpeg";
+const bool kHasFfmpeg = fs::exists("/usr/bin/ffmpeg");
+
+TEST_F(Films, AreWhatPlayersExpect) {
+    if (!kHasFfmpeg) GTEST_SKIP() << kNoFfmpeg;
+    const std::string file = (out_ / "a.mp4").string();
+    const auto client = film({"--path", "keys", "--fps", "8", "--out", file});
+    ASSERT_EQ(client->exitCode(), 0) << client->err();
+    EXPECT_EQ(client->err(), "");
+    const auto probe = startProgram(
+        "/usr/bin/ffprobe",
+        {"-v", "error", "-count_frames", "-select_streams", "v", "-of", "csv=p=0", "-show_entries",
+         "stream=codec_name,width,height,pix_fmt,color_range,color_space,color_transfer,r_frame_rate,nb_read_frames",
+         file});
+    ASSERT_EQ(probe->exitCode(), 0) << probe->err();
+    EXPECT_EQ(probe->out(), "h264,160,90,yuv420p,tv,bt709,iec61966-2-1,8/1,5\n");
+}
+
+// Players take large films for BT.709, whatever they say.
+TEST_F(Films, HaveTheColoursOfTheirPictures) {
+    if (!kHasFfmpeg) GTEST_SKIP() << kNoFfmpeg;
+    constexpr uint32_t kWidth = 64, kHeight = 36;
+    const std::string frame = (out_ / "frame.rgb").string();
+    for (const char* name : {"a.mp4", "a.webm"})
+        for (const auto& colour : {std::array{200, 60, 40}, std::array{40, 180, 60}, std::array{30, 60, 200}}) {
+            std::vector<uint8_t> pixels;
+            for (uint32_t i = 0; i < kWidth * kHeight; ++i) pixels.insert(pixels.end(), colour.begin(), colour.end());
+            png_image image{};
+            image.version = PNG_IMAGE_VERSION, image.width = kWidth, image.height = kHeight;
+            image.format = PNG_FORMAT_RGB;
+            png_alloc_size_t size = 0;
+            ASSERT_TRUE(png_image_write_get_memory_size(image, size, 0, pixels.data(), 0, nullptr));
+            std::string png(size, 0);
+            ASSERT_TRUE(png_image_write_to_memory(&image, png.data(), &size, 0, pixels.data(), 0, nullptr));
+            client::FilmWriter writer(out_ / name, 2, kWidth, kHeight);
+            writer.add(png);
+            writer.finish();
+            const auto play = startProgram("/usr/bin/ffmpeg", {"-v", "error", "-y", "-i", (out_ / name).string(), "-vf",
+                                                               "scale=in_color_matrix=bt709:flags=accurate_rnd", "-f",
+                                                               "rawvideo", "-pix_fmt", "rgb24", frame});
+            ASSERT_EQ(play->exitCode(), 0) << play->err();
+            const std::string shown = bytesOf(frame);
+            ASSERT_EQ(shown.size(), pixels.size());
+            const size_t middle = 3 * (kWidth * kHeight / 2 + kWidth / 2);
+            for (size_t c = 0; c < 3; ++c)
+                EXPECT_NEAR(uint8_t(shown[middle + c]), colour[c], 3) << name << ", channel " << c; // rounded twice
+        }
 }
 
 TEST_F(Films, FailInOneLine) {
