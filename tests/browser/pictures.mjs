@@ -1,7 +1,7 @@
-// The README's pictures, made by the programs: node tests/browser/pictures.mjs [FOLDER, docs/pictures]
+// The pictures of README and viewing.md, by the programs: node tests/browser/pictures.mjs [FOLDER, docs/pictures]
 import { mkdir, writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
-import { connected, openPage, pausedIs, startBrowser, until } from './pages.mjs';
+import { connected, openPage, pausedIs, settled, startBrowser, until } from './pages.mjs';
 import { startServer } from './server.mjs';
 
 const folder = process.argv[2] ?? 'docs/pictures';
@@ -21,8 +21,8 @@ async function snapshot(server, name, query) {
   await writeFile(join(folder, `${name}.jpg`), Buffer.from(await answer.arrayBuffer()));
 }
 
-async function screenshot(page, name) {
-  await page.screenshot({ path: join(folder, `${name}.jpg`), type: 'jpeg', quality: 88 });
+async function screenshot(page, name, quality = 88) {
+  await page.screenshot({ path: join(folder, `${name}.jpg`), type: 'jpeg', quality });
 }
 
 await mkdir(folder, { recursive: true });
@@ -54,6 +54,24 @@ async function risen(settings, use) {
   }
 }
 
+// A path around a cloud, seen from its second key view, with the list of them.
+async function keyViews() {
+  const server = await startServer('--scene', 'cumulus', '--paused', ...FINE);
+  const path = '0,16,110,0,14,0,0.8,0_70,20,85,12,22,-10,0.8,3_100,30,10,0,16,0,0.8,3_40,24,-40,0,16,0,0.9,4';
+  try {
+    const viewport = { width: 1000, height: 600 };
+    const page = await openPage(never, browser, `${server.url}/?path=${path}`, { viewport });
+    await connected(page);
+    await page.locator('#tool-panel').click();
+    await page.getByRole('button', { name: 'Go to key view 2' }).click();
+    await settled(page);
+    await screenshot(page, 'key-views', 80);
+    await page.close();
+  } finally {
+    await server.stop();
+  }
+}
+
 try {
   await risen(FINE, async (page, server) => {
     await page.keyboard.press('p');
@@ -66,6 +84,7 @@ try {
     await page.waitForTimeout(8000); // rates of the overlay settle
     await screenshot(page, 'page');
   });
+  await keyViews();
 } finally {
   for (const end of leave) await end();
   await browser.close();
