@@ -101,7 +101,8 @@ freshRun() { # freshRun RELEASE COLD
         address=$(sed -n 's/^listening on //p' "$log")
         sleep 0.2
     done
-    curl -fsS "$address/" | grep -q '<script' || die "$address/ has no page"
+    # All is read: a pipe that `grep -q` closes early is an error of curl's now and then.
+    curl -fsS "$address/" | grep '<script' >/dev/null || die "$address/ has no page"
     curl -fsS --retry 60 --retry-delay 1 --retry-all-errors -o "$fresh/$1/$fresh_picture" "$address/snapshot.jpg"
     echo "   first picture: $(file -b "$fresh/$1/$fresh_picture" 2>/dev/null || stat -c '%s bytes' "$fresh/$1/$fresh_picture")"
 }
