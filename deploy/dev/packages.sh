@@ -61,7 +61,7 @@ addBackports() {
 installMesa() { # installMesa SUITE_CODENAME
     local from=()
     if [[ "$1" == bookworm ]]; then
-        apt-cache madison "$mesa_package" | grep -q bookworm-backports || addBackports
+        apt-cache madison "$mesa_package" | grep bookworm-backports >/dev/null || addBackports
         from=(-t bookworm-backports)
     fi
     aptGet install -y --no-install-recommends "${from[@]}" "$mesa_package"
