@@ -128,8 +128,8 @@ Json jsonOf(const Run& run) {
 
 std::string tableHead() {
     return "| viewers | frames/s each: least | median | most | pose to frame, ms: p50 | p95 | p99 | age, ms: p95 | "
-           "kB/s each | server, cores | ms a frame | device, ms a frame: shared | view | batches/s | pictures/s | error, %: predicted | "
-           "measured, median | worst | load, cores | others, cores |\n"
+           "kB/s each | server, cores | ms a frame | device, ms a frame: shared | view | batches/s | pictures/s | "
+           "error, %: predicted | measured, median | worst | load, cores | others, cores |\n"
            "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 

@@ -46,7 +46,7 @@ public:
     std::vector<uint8_t> read() const;
     // Where a pixel of the window lies in the picture: from the left and from the top, each clamped to [0, 1].
     std::pair<float, float> inPicture(int x, int y) const;
-    Area area() const;    // that the picture covers, in the drawing area
+    Area area() const;    // the part of the drawing area that the picture covers
     float aspect() const; // width / height of it
 
 private:

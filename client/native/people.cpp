@@ -12,7 +12,7 @@ namespace brume::client {
 namespace {
 
 constexpr float kNear = 0.01f;       // m before the eye; what is nearer is not drawn
-constexpr float kConeLength = 0.06f; // of the distance from the eye
+constexpr float kConeLength = 0.06f; // length of a cone / its distance from the eye
 constexpr size_t kMostNames = 4;     // in a title
 
 // The server's colours (server/viewer/people.cpp) in words. Of another colour the nearest counts.

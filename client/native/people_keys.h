@@ -16,8 +16,8 @@ public:
     explicit PeopleKeys(uint8_t views) : views_(views) {}
 
     void handle(const SDL_Event& event, const Display& display);
-    // What the viewer says of itself now. While T is on it points at where the cursor has moved to, through a picture
-    // that `seen` shows; the ray stays when the camera moves alone.
+    // What the viewer says of itself now. While T is on, its ray goes from the eye of `seen`, the picture's pose,
+    // through the cursor. The ray stays while the cursor does, even if the camera moves.
     const Appearance& appearance(const Pose& seen);
     bool cones() const { return now_.cameras; } // C: true to draw others' cameras
 

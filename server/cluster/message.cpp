@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kLongestNode = 32, kLongestUrl = 1024 + 64; // that of an option, and a room's path
+constexpr size_t kLongestNode = 32, kLongestUrl = 1024 + 64; // an option's URL and a room's path
 
 json fieldsOf(const NodeCommand& m) { return {{"number", m.number}, {"input", net::textOf(m.command)}}; }
 json fieldsOf(const Advance& m) { return {{"tick", m.tick}}; }

@@ -20,7 +20,7 @@ struct EngineOptions {
     std::filesystem::path ca;               // PEM, whom to trust; empty: whom the system trusts
     std::filesystem::path certificate, key; // PEM, what this server shows; empty: nothing
     std::string log;                        // name of the log; letters, digits, '-' and '_'
-    std::string room;                       // whose log of that name it is, of the same letters; empty: that at "/"
+    std::string room;                       // the room that has it, of the same letters; empty: the scene at "/"
     uint32_t replicas = 1;                  // NATS servers that keep the log
     uint64_t log_bytes = 1024ull << 20;     // most that the log keeps: two days of ticks
     std::chrono::milliseconds timeout{5000}; // for NATS to answer at the start

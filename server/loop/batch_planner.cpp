@@ -30,17 +30,17 @@ double fittedSide(double part, double before) {
 // Limits pictures so that a frame of all viewers takes no more than `most_ms`. Of those who keep the size one picture
 // alone takes no more: it is drawn more seldom. `still`: true for pictures at rest, false for those that move.
 void BatchPlanner::limitSizes(std::span<const std::shared_ptr<Viewer>> viewers, double most_ms, bool still) {
-    wishes_.clear();
+    shared_of_.clear();
     demands_.clear();
     for (auto& [wish, shared] : shared_) shared.viewers = 0, shared.ms = 0;
     for (const std::shared_ptr<Viewer>& viewer : viewers) {
-        const Viewer::Wish& wish = wishes_.emplace_back(viewer->wish());
-        Shared& shared = shared_[wish];
+        const Viewer::Wish wish = viewer->wish();
+        Shared& shared = *shared_of_.emplace_back(&shared_[wish]);
         ++shared.viewers;
         shared.ms = std::max(shared.ms, schedule_.predict(viewer->id(), paidPixels(wish.pixels)));
     }
     std::erase_if(shared_, [](const auto& one) { return one.second.viewers == 0; });
-    for (const Viewer::Wish& wish : wishes_) demands_.push_back(shared_[wish].ms / shared_[wish].viewers);
+    for (const Shared* shared : shared_of_) demands_.push_back(shared->ms / shared->viewers);
     const double whole = schedule_.forPictures(most_ms), level = fairLevel(demands_, whole);
     for (auto& [wish, shared] : shared_) {
         const double most = wish.keeps_size ? whole : level * shared.viewers;
@@ -56,7 +56,7 @@ void BatchPlanner::findDue(std::span<const std::shared_ptr<Viewer>> viewers, uin
     requests_.clear();
     draw_requests_.clear();
     for (size_t i = 0; i < viewers.size(); ++i)
-        if (const auto due = viewers[i]->pollDue(now, scene, still, shared_[wishes_[i]].limit, limits.layers_last))
+        if (const auto due = viewers[i]->pollDue(now, scene, still, shared_of_[i]->limit, limits.layers_last))
             addDue(viewers[i], *due, limits.full || still);
 }
 
@@ -91,7 +91,7 @@ void BatchPlanner::takeAlong(std::span<const std::shared_ptr<Viewer>> viewers, u
             ++known;
             continue;
         }
-        const auto due = viewers[i]->pollDue(now, scene, false, shared_[wishes_[i]].limit, limits.layers_last, 0.5f);
+        const auto due = viewers[i]->pollDue(now, scene, false, shared_of_[i]->limit, limits.layers_last, 0.5f);
         if (!due) continue;
         if (std::ranges::none_of(requests_, [&](const PoseRequest& other) { return samePictures(other, *due); }))
             ms += schedule_.predict(viewers[i]->id(), paidPixels(*due));

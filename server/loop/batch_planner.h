@@ -101,12 +101,12 @@ private:
     uint32_t next_seat_ = kFirstSeat;
     // Pictures that viewers with equal wishes share.
     struct Shared {
-        uint32_t viewers = 0; // that wish for them
-        double ms = 0;        // of the device, predicted
+        uint32_t viewers = 0; // how many wish for them
+        double ms = 0;        // predicted time of the device
         SizeLimit limit;
     };
     std::map<Viewer::Wish, Shared> shared_;
-    std::vector<Viewer::Wish> wishes_;         // by viewer
+    std::vector<Shared*> shared_of_;           // by viewer: its entry there
     std::vector<double> demands_;              // by viewer: its part of what its pictures take, ms
     std::vector<uint32_t> present_;            // ids in the schedule
     std::vector<std::shared_ptr<Viewer>> due_; // viewers of the requests in the next two lists

@@ -17,7 +17,7 @@ public:
 
 private:
     struct Slot {
-        int64_t second = -kSeconds - 1; // of the monotonic clock
+        int64_t second = -kSeconds - 1; // time by the monotonic clock
         double ms = 0;
     };
     mutable std::mutex mutex_;

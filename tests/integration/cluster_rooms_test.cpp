@@ -1,12 +1,10 @@
 // Rooms of several servers: each is one cloud over all of them, apart from the others.
 #include <csignal>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "server/cluster/engine.h"
+#include "tests/free_port.h"
 #include "tests/integration/cluster_node.h"
 #include "tests/integration/program.h"
 #include "tests/layer.h"
@@ -16,18 +14,6 @@ namespace {
 
 const client::Wishes kTiny{.width = 64, .height = 36, .views = 1, .quality = 80};
 const std::vector<std::string> kLab{"--room", "lab=tubes", "--cluster-snapshot", "1"};
-
-uint16_t freePort() {
-    const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof(address);
-    EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    close(fd);
-    return ntohs(address.sin_port);
-}
 
 client::Endpoint labOf(const RunningServer& server) {
     client::Endpoint endpoint = server.endpoint();
